@@ -260,7 +260,7 @@ impl Robot {
             UpAxis::Ros => dcd_io::UpAxis::Ros,
             UpAxis::File => dcd_io::UpAxis::File,
         };
-        let of_links = link_shapes(&self.links_of);
+        let of_links = link_shapes(&self.links_of)?;
         Ok(MeshSource { paths, up_axis, shapes: self.links.0, of_links })
     }
 

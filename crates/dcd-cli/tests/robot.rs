@@ -180,6 +180,9 @@ fn a_sphere_inside_a_link_touches_its_hull_and_not_its_surface() {
     assert!(json.contains(r#""geometry":"meshes","geometry_of":{"cube":"hulls:8"}"#), "{json}");
     let unknown = dcd(&["robot", &urdf, "--links-of", "cub=hulls"]);
     unknown.assert_refused(&["there is no link \"cub\""]);
+    let twice = ["--links-of", "cube=hulls", "--links-of", "cube=meshes"];
+    dcd(&[&["robot", &urdf][..], &twice].concat())
+        .assert_refused(&["--links-of", "link \"cube\" is named twice"]);
     dcd(&["robot", &urdf, "--links", "hulls:7"]).assert_refused(&["link \"cube\"", "7 vertices"]);
 }
 

@@ -134,7 +134,7 @@ impl SupportMap<f64> for Curved {
         let along = |(z, radius): (f64, f64)| direction.z * z + across * radius;
         let (z, radius) = if along(high) > along(low) { high } else { low };
         let point = DVec3::new(radius * x, radius * y, z);
-        Support { point, feature: feature(point) }
+        Support::of_point(point)
     }
 
     fn radius(&self) -> f64 {
@@ -160,19 +160,6 @@ fn length_and_direction(v: DVec2) -> (f64, DVec2) {
     let scaled = v / largest;
     let length = scaled.length();
     if length > 0.0 { (length * largest, scaled / length) } else { (0.0, DVec2::ZERO) }
-}
-
-/// A number that distinguishes the points of a curved surface: a mix of all their bits (the finaliser of
-/// splitmix64), so that two of the few points of a simplex share one once in 2³².
-pub(crate) fn feature(point: DVec3) -> u32 {
-    let mix = |hash: u64, x: f64| {
-        // −0.0 is the point that 0.0 is.
-        let mut z = (hash ^ (x + 0.0).to_bits()).wrapping_add(0x9e37_79b9_7f4a_7c15);
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    };
-    (mix(mix(mix(0, point.x), point.y), point.z) >> 32) as u32
 }
 
 #[cfg(test)]

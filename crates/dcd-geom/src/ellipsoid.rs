@@ -67,7 +67,7 @@ impl SupportMap<f64> for Ellipsoid {
         let length = scaled.length();
         // A direction along which it is flat, or none at all: the middle is as far as any other point.
         let point = if length > 0.0 { self.half_axes * (scaled / length) } else { DVec3::ZERO };
-        Support { point, feature: crate::curved::feature(point) }
+        Support::of_point(point)
     }
 
     fn radius(&self) -> f64 {

@@ -14,8 +14,24 @@ pub struct Support<R: Real> {
     /// The point, in the shape's own frame, metres.
     pub point: R::Vec3,
     /// What it belongs to: the index of a vertex, or any number by which the same point is known
-    /// again. Two supports of one shape with the same feature are the same point.
+    /// again ([`Support::of_point`] makes one). Two supports of one shape with the same feature are the same point.
     pub feature: u32,
+}
+
+impl Support<f64> {
+    /// A point of a curved surface, which has no vertices to count: its feature is a mix of all bits of its coordinates
+    /// (the finaliser of splitmix64), so that two of the few points of a simplex share one once in 2³².
+    pub fn of_point(point: DVec3) -> Self {
+        let mix = |hash: u64, x: f64| {
+            // −0.0 is the point that 0.0 is.
+            let mut z = (hash ^ (x + 0.0).to_bits()).wrapping_add(0x9e37_79b9_7f4a_7c15);
+            z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+            z ^ z >> 31
+        };
+        let hash = mix(mix(mix(0, point.x), point.y), point.z);
+        Self { point, feature: (hash >> 32) as u32 }
+    }
 }
 
 /// A convex shape known by its support function: a core, and a sphere swept round it.

@@ -27,6 +27,10 @@ mod raw;
 pub mod run;
 mod swept;
 
+#[cfg(all(doctest, feature = "meshes"))]
+#[doc = include_str!("../../../docs/meshes.md")]
+mod mesh_files {}
+
 pub use boxes::{load_boxes, read_boxes};
 pub use capture::{Capture, CaptureError, place_frame, read_shape, write_shape};
 pub use cloud::{CloudCensus, CloudKind};

@@ -22,7 +22,7 @@ pub use triangles::{MeshFormat, MeshOptions, MeshWarning, TriangleMesh, UpAxis};
 /// corners cut into fans. Points and lines are passed over, and materials are not looked for.
 ///
 /// # Errors
-/// Text that is no OBJ, a number that is not finite, a face with a corner that is no vertex.
+/// Text that is no OBJ, a number that is not finite, a face with a corner that is no vertex. Names need not be UTF-8.
 pub fn read_obj(bytes: &[u8]) -> Result<RawMesh, ReadError> {
     let options = tobj::LoadOptions {
         triangulate: true,
@@ -31,7 +31,9 @@ pub fn read_obj(bytes: &[u8]) -> Result<RawMesh, ReadError> {
         ..tobj::LoadOptions::default()
     };
     let no_materials = |_: &Path| Ok(Default::default());
-    let text = without_mark(bytes);
+    // Names may be in any encoding: what counts is ASCII in all of them.
+    let text = String::from_utf8_lossy(without_mark(bytes));
+    let text = text.as_bytes();
     check_lines(text)?;
     check_indices(text)?;
     let faces = without_lines(text);

@@ -69,8 +69,8 @@ pub struct Header {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RobotState {
-    pub joint_state: JointState,
-    pub multi_dof_joint_state: MultiDofJointState,
+    pub joint_state: WithLine<JointState>,
+    pub multi_dof_joint_state: WithLine<MultiDofJointState>,
     pub attached_collision_objects: Vec<WithLine<AttachedCollisionObject>>,
     pub is_diff: bool,
 }
@@ -241,10 +241,11 @@ impl PlanningScene {
 
 impl RobotState {
     pub(crate) fn for_each_unused(&self, unused: &mut OnUnused<'_>) {
-        count(unused, "joint velocities", &self.joint_state.velocity);
-        count(unused, "joint efforts", &self.joint_state.effort);
-        count(unused, "twists", &self.multi_dof_joint_state.twist);
-        count(unused, "wrenches", &self.multi_dof_joint_state.wrench);
+        let (joints, multi_dof) = (&self.joint_state.value, &self.multi_dof_joint_state.value);
+        count(unused, "joint velocities", &joints.velocity);
+        count(unused, "joint efforts", &joints.effort);
+        count(unused, "twists", &multi_dof.twist);
+        count(unused, "wrenches", &multi_dof.wrench);
         for attached in &self.attached_collision_objects {
             count(unused, "detach_posture", &attached.value.detach_posture);
             count(unused, "weight", &attached.value.weight);

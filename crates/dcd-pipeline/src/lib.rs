@@ -49,4 +49,6 @@ mod guide {
     mod scene_queries {}
     #[doc = include_str!("../../../docs/guide/bring-your-own.md")]
     mod bring_your_own {}
+    #[doc = include_str!("../../../docs/guide/add-a-shape.md")]
+    mod add_a_shape {}
 }

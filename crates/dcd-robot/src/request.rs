@@ -199,7 +199,7 @@ planner_id: fast
     fn a_list_of_another_length_and_no_yaml_are_refused() {
         let short = TEXT.replace("[1, -0.5]", "[1]");
         let refused = Request::read(&short).unwrap_err().to_string();
-        assert_eq!(refused, "joint_state: 1 positions, not 2");
+        assert_eq!(refused, "line 2: joint_state: 1 positions, not 2");
         let twice =
             TEXT.replace("      - joint", "      - {joint_name: b, position: 1}\n      - joint");
         let refused = Request::read(&twice).unwrap_err().to_string();

@@ -7,8 +7,8 @@ use super::notes::Unused;
 use super::world::{Attached, Padding, World};
 use super::{MovedJoint, Robot, RobotError, Srdf, objects, xml, yaml};
 use dcd_moveit::{
-    AllowedCollisionMatrix, AttachedCollisionObject, CollisionObject, Coordinates,
-    PlanningScene as SceneMessage, RobotState, Transform, WithLine,
+    AllowedCollisionMatrix, AttachedCollisionObject, CollisionObject, Coordinates, JointState,
+    MultiDofJointState, PlanningScene as SceneMessage, RobotState, Transform, WithLine,
 };
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -75,7 +75,10 @@ impl PlanningScene {
         let mut robot = robot.clone();
         robot.base = base.unwrap_or(robot.base);
         let mut world = World {
-            base: base.map(|frame| frame.pose()).transpose().map_err(in_state)?,
+            base: base
+                .map(|frame| frame.pose())
+                .transpose()
+                .map_err(|error| in_state(&message.robot_state, error))?,
             ..World::default()
         };
         world.joints = joint_values(&message.robot_state)?;
@@ -98,12 +101,10 @@ impl PlanningScene {
 
     fn place_objects(&self, world: &mut World, frames: &Frames<'_>) -> Result<(), RobotError> {
         let message = self.0.world.as_ref();
-        if message
-            .and_then(|world| world.octomap.as_ref())
-            .is_some_and(|map| map.value.octomap.data.0)
-        {
+        let octomap = message.and_then(|world| world.octomap.as_ref());
+        if let Some(map) = octomap.filter(|map| map.value.octomap.data.0) {
             let (user, why) = ("world".to_owned(), "an octomap is not supported".to_owned());
-            return Err(RobotError::Refused { user, why });
+            return Err(RobotError::Refused { user, why }.at_line(map.line));
         }
         // Objects in their order, those that were removed empty.
         let mut objects: Vec<Vec<super::Obstacle>> = Vec::new();
@@ -223,8 +224,9 @@ impl PlanningScene {
     }
 }
 
-fn in_state(error: dcd_geom::PoseError) -> RobotError {
-    RobotError::Pose { user: "robot_state".to_owned(), error }
+fn in_state(state: &RobotState, error: dcd_geom::PoseError) -> RobotError {
+    let user = "robot_state".to_owned();
+    RobotError::Pose { user, error }.at_line(state.multi_dof_joint_state.line)
 }
 
 /// Refuses a name that stands twice: of two things that are said of one, neither is dropped.
@@ -238,14 +240,15 @@ pub(super) fn each_once(what: &'static str, names: &[String]) -> Result<(), Robo
 
 /// The joint values of a state, by name.
 pub(super) fn joint_values(state: &RobotState) -> Result<Vec<(String, f64)>, RobotError> {
-    let (expected, found) = (state.joint_state.name.len(), state.joint_state.position.len());
+    let WithLine { value: JointState { name, position, .. }, line } = &state.joint_state;
+    let (expected, found) = (name.len(), position.len());
     if expected != found {
         let user = "joint_state".to_owned();
-        return Err(RobotError::Count { what: "positions", user, expected, found });
+        let error = RobotError::Count { what: "positions", user, expected, found };
+        return Err(error.at_line(*line));
     }
-    each_once("value of joint", &state.joint_state.name)?;
-    let values = state.joint_state.name.iter().cloned();
-    Ok(values.zip(state.joint_state.position.iter().copied()).collect())
+    each_once("value of joint", name).map_err(|error| error.at_line(*line))?;
+    Ok(name.iter().cloned().zip(position.iter().copied()).collect())
 }
 
 /// What a state says of joints of several values.
@@ -264,7 +267,15 @@ impl MultiDof {
         robot: &Robot,
         srdf: Option<&Srdf>,
     ) -> Result<Self, RobotError> {
-        let joints = &state.multi_dof_joint_state;
+        let WithLine { value, line } = &state.multi_dof_joint_state;
+        Self::of_joints(value, robot, srdf).map_err(|error| error.at_line(*line))
+    }
+
+    fn of_joints(
+        joints: &MultiDofJointState,
+        robot: &Robot,
+        srdf: Option<&Srdf>,
+    ) -> Result<Self, RobotError> {
         let user = "multi_dof_joint_state".to_owned();
         let (expected, found) = (joints.joint_names.len(), joints.transforms.len());
         if expected != found {

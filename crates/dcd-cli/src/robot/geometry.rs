@@ -1,5 +1,6 @@
 //! How meshes of links are represented, and how an answer reports it.
 
+use crate::failure::Failure;
 use dcd_robot::{LinkShapes, Robot};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -87,12 +88,18 @@ impl fmt::Display for Geometry {
     }
 }
 
-/// By the links' names; where one is named twice the last counts.
+/// By the links' names.
 fn shapes_of(of_links: &[LinksOf]) -> BTreeMap<String, Links> {
     of_links.iter().map(|LinksOf(link, links)| (link.clone(), *links)).collect()
 }
 
-/// The same, as the library takes it.
-pub(super) fn link_shapes(of_links: &[LinksOf]) -> BTreeMap<String, LinkShapes> {
-    shapes_of(of_links).into_iter().map(|(link, Links(shapes))| (link, shapes)).collect()
+/// The same, as the library takes it; a link that is named twice is refused.
+pub(super) fn link_shapes(of_links: &[LinksOf]) -> Result<BTreeMap<String, LinkShapes>, Failure> {
+    let mut shapes = BTreeMap::new();
+    for LinksOf(link, Links(of_link)) in of_links {
+        if shapes.insert(link.clone(), *of_link).is_some() {
+            return Err(Failure::at("--links-of", format!("link {link:?} is named twice")));
+        }
+    }
+    Ok(shapes)
 }

@@ -139,6 +139,17 @@ mod tests {
     }
 
     #[test]
+    fn names_may_be_in_any_encoding_and_numbers_may_not() {
+        let text = |number: &[u8]| {
+            let names = b"# Gr\xf6\xdfe\no \xd4\xd8\nusemtl \xff\n";
+            [&names[..], b"v 0 0 0\nv 1 0 0\nv 0 1 ", number, b"\nf 1 2 3\n"].concat()
+        };
+        assert_eq!(read(&text(b"0")).unwrap().triangles, [[0, 1, 2]]);
+        let error = read(&text(b"0\xff")).unwrap_err().to_string();
+        assert!(error.starts_with("OBJ, line 6: "), "{error}");
+    }
+
+    #[test]
     fn lines_that_others_cut_elsewhere_are_refused() {
         let four = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n";
         for more in

@@ -23,8 +23,8 @@ use std::ops::Range;
 /// other. Larger: gaps below a micrometre stay undecided.
 const SHORTEST: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// The length of an interval before a hit that is left as it is: the path is proved free up to twice that before what touches, if
-/// it is. No unit. Smaller: more intervals before each hit (at 2⁻¹² twice as many). Larger: `free_until` ends earlier.
+/// The length of an interval before a hit that is left as it is: the path is proved free up to twice that before what touches, or
+/// what comes nearer than so short a motion may close. No unit. Smaller: more intervals before each hit (at 2⁻¹² twice as many). Larger: `free_until` ends earlier.
 const BEFORE_A_HIT: f64 = 1.0 / (1u64 << 8) as f64;
 
 /// The states of a path that are looked at before any interval: in sixteenths, all at once.

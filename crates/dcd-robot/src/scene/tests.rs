@@ -308,10 +308,10 @@ fn what_a_scene_says_twice_of_one_name_is_refused() {
     let transform = "{translation: [0, 0, 5], rotation: [0, 0, 0, 1]}";
     let several = format!("joint_names: [v, v], transforms: [{transform}, {transform}]");
     for (text, line, what) in [
-        (format!("robot_state: {{{list}}}"), "", "two of value of joint \"turn\""),
+        (format!("robot_state: {{{list}}}"), "line 7", "two of value of joint \"turn\""),
         (
-            format!("robot_state: {{multi_dof_joint_state: {{{several}}}}}"),
-            "",
+            format!("robot_state:\n  multi_dof_joint_state: {{{several}}}"),
+            "line 8",
             "two of transform of joint \"v\"",
         ),
         (
@@ -365,7 +365,7 @@ fn what_is_removed_is_gone_and_octomaps_planes_and_other_operations_are_refused(
     assert_refused(&two("move"), &["operation \"move\""]);
     assert_refused(&two("0"), &["line 7", "two of object \"ball\""]);
     let octomap = "world: {octomap: {octomap: {data: [1, 2]}}}";
-    assert_refused(octomap, &["octomap"]);
+    assert_refused(octomap, &["line 1", "octomap"]);
     assert!(world_of(&octomap.replace("1, 2", "")).is_ok());
     let plane = "world: {collision_objects: [{id: p, planes: [{coef: [0, 0, 1, 0]}]}]}";
     assert_refused(plane, &["\"p\"", "planes"]);

@@ -74,7 +74,7 @@ pub struct Manifold {
 pub struct ManifoldPoint {
     /// Of a's surface.
     pub point_a: DVec3,
-    /// Of b's surface: `point_a − point_b` is `normal·depth`.
+    /// Of b's surface: `point_a − point_b` is `normal·depth`, within the manifold's bound.
     pub point_b: DVec3,
     /// How deep the objects overlap here along the normal: at least 0, at most the depth of the patch's deepest
     /// parts, and that at the first point.
