@@ -316,7 +316,9 @@ impl Bounds {
         let square = d.dot(l, d);
         let reach = l.sub(l.mul(l.splat(self.per_norm1), d.norm1(l)), gap);
         let reach = l.div(reach, l.sqrt(square));
-        let at_most = l.mul_add(reach, l.splat(1.0 + BODY_REACH), l.splat(self.radius));
+        // Cores that are apart along d have a reach below 0: what it loses makes the sum no smaller.
+        let lost = l.mul(l.abs(reach), l.splat(BODY_REACH));
+        let at_most = l.add(l.add(reach, lost), l.splat(self.radius));
         let far = l.splat(f32::INFINITY);
         // Written so that NaN, and a direction without length, bound nothing.
         let at_most = l.select(l.lt(at_most, far), at_most, far);
