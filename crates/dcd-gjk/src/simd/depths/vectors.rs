@@ -63,7 +63,7 @@ pub(super) fn farthest<L: Lanes>(l: L, blocks: &[Block], heights: &impl Heights<
         let top = l.splat(l.largest(best));
         let (of_one, of_other) = (l.bits(l.le(top, one)), l.bits(l.le(top, other)));
         let lane = (of_one | of_other).trailing_zeros() as usize % WIDTH;
-        let block = usize::from(of_one >> lane & 1 == 0) & second;
+        let block = usize::from(of_one >> lane & 1 == 0);
         return block * WIDTH + lane;
     }
     let mut of_block = l.select(l.lt(one, other), bits(l, 1), bits(l, 0));
