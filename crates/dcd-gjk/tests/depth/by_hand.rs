@@ -2,6 +2,7 @@
 
 use super::*;
 use dcd_geom::glam::{DMat3, DQuat};
+use dcd_judge::Truth;
 
 #[test]
 fn unit_cubes_have_the_depth_that_one_reads_off() {
@@ -30,6 +31,41 @@ fn a_gap_and_an_overlap_of_one_ulp_are_distinguished_from_touching() {
         assert_eq!((touch.depth, touch.error_bound < 1e-300), (0.0, true));
         assert!(touch.point_a.distance(touch.point_b) < 1e-15);
     }
+}
+
+/// Capsules beside a cuboid, a capsule and a triangle in turns, deep by 1e-5 to 1e-13 of their size: f64 knows the distance of
+/// the cores to 1e-16 of it, which is too little of the depth.
+#[test]
+fn hardly_touching_rounded_shapes_have_nine_digits_of_their_depth() {
+    let capsule = Polytope::capsule(0.5, 0.5).unwrap();
+    let corners = [DVec3::ZERO, DVec3::new(-0.2, 0.9, 1.0), DVec3::new(-0.1, -1.0, 0.8)];
+    let others = [
+        Polytope::cuboid(DVec3::new(0.25, 0.75, 0.5)).unwrap(),
+        Polytope::capsule(0.4, 0.25).unwrap(),
+        Polytope::mesh_triangle(corners.map(|corner| -corner)).unwrap(),
+    ];
+    let reach = [0.75, 0.75, 0.5];
+    let mut measured = 0;
+    for k in 0..120 {
+        let (other, reach) = (&others[k % 3], reach[k % 3]);
+        let depth = 10f64.powi(-5 - (k / 3 % 9) as i32);
+        let lean = DVec3::new(0.3, -0.7, 0.4) * [0.0, 1e-11, 1e-9, 1e-7][k / 27 % 4];
+        let turn = DQuat::from_scaled_axis(lean);
+        let pose = Pose::new(turn, DVec3::new(reach - depth, 0.0, 0.002 * k as f64)).unwrap();
+        let (a, b) = ((capsule.clone(), Pose::IDENTITY), (other.clone(), pose));
+        let truth = Truth::of((&a.0, &a.1), (&b.0, &b.1));
+        for (a, b) in [(&a, &b), (&b, &a)] {
+            let Verdict::Touching(found) = solve(a, b) else { continue };
+            assert!(
+                truth.is_within(found.lower(), found.upper()),
+                "{k}: {found:?} {}",
+                truth.value()
+            );
+            assert!(found.error_bound <= 1e-9 * found.depth + 1e-22, "{k}: {found:?}");
+            measured += 1;
+        }
+    }
+    assert!(measured > 150, "{measured}");
 }
 
 #[test]

@@ -16,6 +16,10 @@ const U: f64 = f64::EPSILON / 2.0;
 /// a margin.
 const QUOTIENT: f64 = 16.0 * U;
 
+/// What the double-double of [`Gap::left_of`] may lose of each bound, relative to the radii: 11 times 2⁻¹⁰³, and a margin
+/// (docs/numerics/proofs.md, "Depth"). Smaller: depths of hardly touching shapes outside their bound.
+const LEFT: f64 = 1.0 / (1u128 << 96) as f64;
+
 /// What is known of whether the pair touches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Certainty {
@@ -79,9 +83,19 @@ impl Answer {
         let near = scaled(gap.lower - rounding, unit);
         let far = scaled(gap.upper + rounding, unit);
         let error = (gap.upper - gap.lower).max(0.0) + 2.0 * rounding + overlap.max(0.0);
-        let depth = match gap.left_of(radii.map(|radius| scaled(radius, -unit))) {
-            Some(left) => scaled(left, unit),
-            None => radius - scaled(gap.lower, unit),
+        let error = scaled(error, unit) + 4.0 * U * radius;
+        let in_units = radii.map(|radius| scaled(radius, -unit));
+        let (depth, error) = match gap.left_of(in_units) {
+            Some([above, below]) => {
+                let rounding = QUOTIENT * (above.abs() + below.abs())
+                    + 2.0 * LEFT * (in_units[0] + in_units[1]);
+                let sharp = (above - below).max(0.0) + rounding + 2.0 * slack + overlap.max(0.0);
+                // Radii of more than a unit are exact in units.
+                let is_exact = in_units.iter().all(|&radius| radius == 0.0 || radius >= 1.0);
+                let error = if is_exact { error.min(scaled(sharp, unit)) } else { error };
+                (scaled(above, unit), error)
+            }
+            None => (radius - scaled(gap.lower, unit), error),
         };
         // The sum of the radii is rounded once, the products here once more.
         let certainty = if far <= radius * (1.0 - 4.0 * U) {
@@ -93,7 +107,7 @@ impl Answer {
         };
         Self {
             depth: depth.max(0.0),
-            error: scaled(error, unit) + 4.0 * U * radius,
+            error,
             certainty,
             normal: gap.normal,
             witnesses: difference.witnesses(gap.corners()),

@@ -29,6 +29,8 @@ pub(super) struct Gap {
     pub(super) normal: Normal,
     /// normal·w at most; `lower` is −reach / |normal|, or 0.
     reach: Wide,
+    /// Vertices times integer weights, and the sum of the weights: `upper` is the quotient's length.
+    combination: ([Wide; 3], i128),
     corners: [Weighted; 4],
     count: usize,
 }
@@ -40,18 +42,25 @@ impl Gap {
     }
 
     /// What is left of the radii, in units, when the lower bound is taken off, negative if nothing;
-    /// `None` where nothing cancels or the radii are out of all proportion.
+    /// `None` where nothing cancels or the radii are out of all proportion. Then the same of the upper
+    /// bound, −∞ where there is none.
     ///
-    /// With the bound −s/√q for integers s and q, r + s/√q is (r²q − s²) / (r√q − s)√q, whose
+    /// With a bound √(p/q) for integers p and q, r − √(p/q) is (r²q − p) / (r√q + √p)√q, whose
     /// numerator is taken in double-double: no digit is lost where the shapes barely touch.
-    pub(super) fn left_of(&self, radii: [f64; 2]) -> Option<f64> {
+    pub(super) fn left_of(&self, radii: [f64; 2]) -> Option<[f64; 2]> {
         let r = DoubleDouble::from(radii[0]).plus(&radii[1].into());
+        let left = |p: DoubleDouble, root_of_p: f64, q: DoubleDouble| {
+            let root = q.to_f64().sqrt();
+            let left = r.times(&r).times(&q).minus(&p);
+            left.to_f64() / ((r.to_f64() * root + root_of_p) * root)
+        };
         let (n, s) = (self.normal.map(leading), leading(self.reach));
-        let q = dot_of(&n, &n);
-        let left = r.times(&r).times(&q).minus(&s.times(&s));
-        let root = q.to_f64().sqrt();
-        let left = left.to_f64() / ((r.to_f64() * root - s.to_f64()) * root);
-        (left.is_finite() && self.reach < Wide::ZERO).then_some(left)
+        let above = left(s.times(&s), -s.to_f64(), dot_of(&n, &n));
+        let (sum, weight) = (self.combination.0.map(leading), leading(self.combination.1.into()));
+        let p = dot_of(&sum, &sum);
+        let below = left(p, p.to_f64().sqrt(), weight.times(&weight));
+        let below = if below.is_finite() { below } else { f64::NEG_INFINITY };
+        (above.is_finite() && self.reach < Wide::ZERO).then_some([above, below])
     }
 
     /// Keeps the vertices that have a weight, and their combination if it is the nearest so far.
@@ -61,12 +70,13 @@ impl Gap {
         let steps = two_to(60);
         let mut corners = self.corners;
         let mut sum = [Wide::ZERO; 3];
-        let mut all = 0.0;
+        let (mut all, mut total_weight) = (0.0, 0);
         for (slot, (&index, &share)) in near.kept.iter().zip(near.weights()).enumerate() {
             simplex[slot] = known[index];
             corners[slot] = (known[index], share);
             let weight = (share / total * steps) as i128;
             all += weight as f64;
+            total_weight += weight;
             for (sum, x) in sum.iter_mut().zip(known[index].w) {
                 *sum = *sum + Wide::product(x, weight);
             }
@@ -74,6 +84,7 @@ impl Gap {
         let upper = length(&sum) / all;
         if upper < self.upper {
             (self.upper, self.corners, self.count) = (upper, corners, near.count);
+            self.combination = (sum, total_weight);
         }
         near.count
     }
@@ -91,6 +102,7 @@ impl Viewer<'_> {
             upper: f64::INFINITY,
             normal,
             reach: first.reach,
+            combination: ([Wide::ZERO; 3], 0),
             corners: [nowhere; 4],
             count: 0,
         };
