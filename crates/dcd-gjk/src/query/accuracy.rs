@@ -18,7 +18,7 @@ pub enum Accuracy {
     /// What f64 gives: 1e-10 of a depth or 3e-14 of the pair's size, some 3e-15 of it for a distance; where edges
     /// are nearly parallel, those of capsules above all, up to 1e-8 of it.
     F64,
-    /// Twelve digits of a distance and nine of a depth, however small (but see [`Depths`]), by longer numbers where f64 has
+    /// Twelve digits of a distance and nine of a depth, however small (but see [`super::Depths`]), by longer numbers where f64 has
     /// not as many: what the solvers give by themselves.
     #[default]
     Certified,
@@ -105,7 +105,7 @@ pub trait MeasureDepth: MeasureAt {
     /// Whether [`MeasureDepth::measure_cuboids`] is of use: the lanes look for patches then, at [`Accuracy::F32`].
     const READS_PATCHES: bool = false;
 
-    /// Whether [`MeasureDepth::measure_parts`] reads [`KnownParts::at_most`]: these are found then.
+    /// Whether [`MeasureDepth::measure_parts`] reads how deep each part is at most: that is found then.
     const READS_BOUNDS: bool = false;
 }
 
