@@ -240,8 +240,8 @@ impl EdgeChecker {
     }
 
     /// Whether the path is free, by at most `budget` intervals: the same answer at each call, whatever
-    /// else runs. Before a hit the path is proved free, to within 2⁻⁷ of t, up to what touches or comes so near that a
-    /// motion of 2⁻⁸ of t could close the gap.
+    /// else runs. Before a hit the path is proved free to within 2⁻⁷ of t, or as far as the budget lasts and gaps are not
+    /// below a micrometre.
     ///
     /// # Errors
     /// A control point that is no state of the robot; a state on the way in which a part is out of range.

@@ -23,8 +23,9 @@ use std::ops::Range;
 /// other. Larger: gaps below a micrometre stay undecided.
 const SHORTEST: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// The length of an interval before a hit that is left as it is: the path is proved free up to twice that before what touches, or
-/// what comes nearer than so short a motion may close. No unit. Smaller: more intervals before each hit (at 2⁻¹² twice as many). Larger: `free_until` ends earlier.
+/// The length of an interval that is left as it is if it ends less than that before a hit: so the path is proved free to
+/// within twice that of what touches. No unit. Smaller: more intervals before each hit (at 2⁻¹² twice as many). Larger:
+/// `free_until` ends earlier.
 const BEFORE_A_HIT: f64 = 1.0 / (1u64 << 8) as f64;
 
 /// The states of a path that are looked at before any interval: in sixteenths, all at once.
@@ -56,7 +57,9 @@ pub(super) struct EdgeSearch<'a> {
     /// The first interval that is left, with a pair of it.
     left: Option<([f64; 2], [u32; 2], EdgeReason)>,
     at: Place,
+    /// Of the node: half its length, and [`EdgeSearch::shortest_of`].
     half: f64,
+    shortest: f64,
     /// The pairs of all nodes on the stack; groups of pairs by numbers behind those of all pairs.
     open: Vec<u32>,
     is_even: bool,
@@ -161,6 +164,7 @@ impl<'a> EdgeSearch<'a> {
             left: None,
             at: Place::default(),
             half: 0.0,
+            shortest: SHORTEST,
             open: Vec::new(),
             is_even,
         }
@@ -195,6 +199,7 @@ impl<'a> EdgeSearch<'a> {
             let middle = 0.5 * (node.from + node.to);
             self.at.go_to(self.checker, self.path, middle)?;
             self.half = 0.5 * (node.to - node.from) * ROUNDED_UP;
+            self.shortest = self.shortest_of(&node);
             self.open.truncate(node.pairs.end);
             let pairs = self.unproved(&node);
             if !pairs.is_empty() {
@@ -225,15 +230,19 @@ impl<'a> EdgeSearch<'a> {
         Ok(())
     }
 
-    /// The length of an interval that is not halved.
-    fn shortest(&self) -> f64 {
-        if self.hit.is_some() { BEFORE_A_HIT } else { SHORTEST }
+    /// The length at which the node is not halved any more. What comes near long before a hit and does not touch is told
+    /// from a hit as if there were none.
+    fn shortest_of(&self, node: &Node) -> f64 {
+        match self.hit {
+            Some((t, _)) if t - node.from <= 2.0 * BEFORE_A_HIT => BEFORE_A_HIT,
+            _ => SHORTEST,
+        }
     }
 
     /// Why the node is not looked at any more.
     fn ends(&self, node: &Node) -> Option<EdgeReason> {
         let length = node.to - node.from;
-        if length <= self.shortest() {
+        if length <= self.shortest_of(node) {
             Some(EdgeReason::Short)
         } else if self.nodes >= self.budget {
             Some(EdgeReason::Budget)
@@ -333,7 +342,7 @@ impl<'a> EdgeSearch<'a> {
         if is_far(margin) {
             self.note(margin);
             Reach::Beyond
-        } else if is_far(margin + SOON * self.moved(pair)) && self.half > 2.0 * self.shortest() {
+        } else if is_far(margin + SOON * self.moved(pair)) && self.half > 2.0 * self.shortest {
             Reach::Moves
         } else {
             Reach::Near
