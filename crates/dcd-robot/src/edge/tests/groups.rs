@@ -79,7 +79,7 @@ fn edges_of_links_with_several_objects_are_answered_as_their_samples_say() {
     }
 }
 
-/// A bar of balls of radius 0.01 that slides along x by at most 2 m.
+/// A bar of balls of radius 0.01 that slides along x.
 fn bar(balls: &[f64]) -> Robot {
     let ball = |y: &f64| {
         format!(
@@ -89,31 +89,37 @@ fn bar(balls: &[f64]) -> Robot {
     let balls: String = balls.iter().map(ball).collect();
     let text = format!(
         "<robot name=\"slide\"><link name=\"base\"/><link name=\"bar\">{balls}</link><joint name=\"along\" type=\"prismatic\">\
-         <axis xyz=\"1 0 0\"/><limit lower=\"0\" upper=\"2\" effort=\"1\" velocity=\"1\"/><parent link=\"base\"/>\
+         <axis xyz=\"1 0 0\"/><limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/><parent link=\"base\"/>\
          <child link=\"bar\"/></joint></robot>"
     );
     Robot::read(&text, Path::new("."), LinkShapes::Hulls).unwrap()
 }
 
-/// That the bar, on its way of 2 m, is proved free up to a ball at its end, but for what is left before a hit.
-fn assert_free_up_to_the_end(balls: &[f64], beside: DVec3) {
+/// That the bar is proved free up to the last ball on its path, which it meets at 0.99 or later, but for what is left
+/// before a hit.
+fn assert_free_up_to_the_end(balls: &[f64], path: &JointPath, others: [DVec3; 2]) {
     let small = |name: &str, at| obstacle(name, Shape::sphere(0.01).unwrap(), at);
-    let obstacles = vec![small("beside", beside), small("met", DVec3::new(2.0, 0.5, 0.0))];
-    let checker = checker(bar(balls), obstacles);
-    let edge = checker.check(&straight(&[0.0], &[2.0]), 10_000).unwrap();
+    let [beside, met] = others;
+    let checker = checker(bar(balls), vec![small("beside", beside), small("met", met)]);
+    let edge = checker.check(path, 10_000).unwrap();
     assert!(matches!(edge.answer, EdgeAnswer::Hit { t: 0.99..=1.0, .. }), "{edge:?}");
-    // They touch from a way of 1.98 on.
-    assert!(edge.free_until > 0.99 - 1.0 / 128.0 && edge.free_until < 0.99, "{edge:?}");
+    assert!(edge.free_until > 0.99 - 1.0 / 128.0 && edge.free_until < 1.0, "{edge:?}");
 }
 
 #[test]
 fn a_link_that_leaves_a_ball_between_its_own_is_proved_free_up_to_what_it_meets() {
     // The sphere round the bar begins in that round the first ball, by less than it moves in the shortest interval.
-    assert_free_up_to_the_end(&[-0.5, 0.5], DVec3::X * -0.517);
+    let others = [DVec3::X * -0.517, DVec3::new(2.0, 0.5, 0.0)];
+    assert_free_up_to_the_end(&[-0.5, 0.5], &straight(&[0.0], &[2.0]), others);
 }
 
 #[test]
 fn what_comes_near_long_before_a_hit_is_told_from_one() {
-    // Within 1 mm, where an interval of the length that is left before a hit moves the bar by 8 mm.
-    assert_free_up_to_the_end(&[0.5], DVec3::new(0.6, 0.521, 0.0));
+    // 6t(1 − t)² − t³ has its maximum there: the bar turns back 10 µm before a ball, of which a motion as long as what is
+    // left before a hit may take 40.
+    let path = JointPath::Bezier([0.0, 2.0, 0.0, -1.0].map(|x| vec![x]));
+    let t: f64 = (24.0 - 216f64.sqrt()) / 30.0;
+    let farthest = 6.0 * t * (1.0 - t).powi(2) - t.powi(3);
+    let others = [DVec3::X * (farthest + 0.02 + 1e-5), DVec3::X * -1.0];
+    assert_free_up_to_the_end(&[0.0], &path, others);
 }
