@@ -3,7 +3,8 @@
 use crate::WideBvh;
 use dcd_simd::{ArrayVec, BoxTest, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, nearest_first};
 
-/// A u32 counts the boxes of at most eight levels, and a node is replaced by at most sixteen.
+/// More than ever wait: a u32 counts the boxes of at most eight levels, and a node is replaced by at most sixteen, so that
+/// they are 121 at most.
 const STACK: usize = 8 * WIDTH;
 
 /// A node to be entered: the key of its box, its number, and its height above the leaves.

@@ -22,7 +22,8 @@ pub use triangles::{MeshFormat, MeshOptions, MeshWarning, TriangleMesh, UpAxis};
 /// corners cut into fans. Points and lines are passed over, and materials are not looked for.
 ///
 /// # Errors
-/// Text that is no OBJ, a number that is not finite, a face with a corner that is no vertex. Names need not be UTF-8.
+/// Text that is no OBJ, a number that is not finite, a face with a corner that is no vertex. Names may be in any encoding whose
+/// bytes below 128 are ASCII.
 pub fn read_obj(bytes: &[u8]) -> Result<RawMesh, ReadError> {
     let options = tobj::LoadOptions {
         triangulate: true,
@@ -31,7 +32,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<RawMesh, ReadError> {
         ..tobj::LoadOptions::default()
     };
     let no_materials = |_: &Path| Ok(Default::default());
-    // Names may be in any encoding: what counts is ASCII in all of them.
+    // Names may be in any encoding whose bytes below 128 are ASCII: what counts is ASCII.
     let text = String::from_utf8_lossy(without_mark(bytes));
     let text = text.as_bytes();
     check_lines(text)?;

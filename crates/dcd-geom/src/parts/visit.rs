@@ -6,7 +6,7 @@ use dcd_simd::{ArrayVec, BoxTest, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, 
 /// Which parts of a leaf whose boxes are near are worth a visit.
 pub trait LeafFilter {
     /// Whether it is asked for the lanes alone whose boxes are near. If not, the boxes of leaves are not looked at, and all
-    /// parts of a leaf have the key of the box round it: for filters that are as sharp, and read other memory.
+    /// parts of a leaf have the key of the box round it, or 0 if there is no other leaf: for filters that are as sharp, and read other memory.
     const AFTER_BOXES: bool = true;
 
     /// Which of these lanes of a leaf's block, by its number, are to be visited. To be marked `#[inline(always)]`.

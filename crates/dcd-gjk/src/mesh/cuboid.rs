@@ -67,8 +67,13 @@ enum Axis {
 impl<'a> Couple<'a> {
     /// The depth of parts that touch by a formula that is good enough: by the axes of a cuboid, else by the nearest points,
     /// else where a part is pressed into the triangle; that first of a hull, whose planes take five times as long and say no
-    /// more there.
-    pub(super) fn by_formula(&self, is_good: impl Fn(&Depth) -> bool) -> Option<Depth> {
+    /// more there. What the planes or the nearest points say may be `known`: it changes no bit.
+    pub(super) fn by_formula(
+        &self,
+        known: Option<Depth>,
+        is_good: impl Fn(&Depth) -> bool,
+    ) -> Option<Depth> {
+        let known = known.filter(&is_good);
         let is_hull = self.parts().iter().any(Part::is_hull);
         let pressed = || self.pressed().filter(&is_good);
         // What touches has no side between.
@@ -77,9 +82,9 @@ impl<'a> Couple<'a> {
             _ => None,
         };
         if is_hull {
-            return pressed().or_else(by_axes);
+            return pressed().or(known).or_else(by_axes);
         }
-        by_axes().or_else(|| self.by_nearest().filter(&is_good)).or_else(pressed)
+        known.or_else(by_axes).or_else(|| self.by_nearest().filter(&is_good)).or_else(pressed)
     }
 
     /// `None` of other parts, and where the bound leaves open whether they touch.

@@ -158,7 +158,7 @@ impl PartPair<'_> {
         self.at_most = OnceCell::from(f64::INFINITY);
     }
 
-    /// At least how deep they overlap, metres; the same for (a, b) and (b, a).
+    /// An upper bound of how deep they overlap, metres; the same for (a, b) and (b, a).
     fn at_most(&self) -> f64 {
         *self.at_most.get_or_init(|| match (self.depth.get(), &self.nearest, &self.couple) {
             (Some(Verdict::Touching(found)), ..) | (_, Some(found), _) => {
@@ -189,7 +189,7 @@ impl PartPair<'_> {
         let couple = self.couple.as_ref()?;
         let is_good = couple.is_good(good);
         let nearest = self.nearest.filter(&is_good);
-        let found = nearest.or_else(|| couple.by_formula(is_good))?;
+        let found = nearest.or_else(|| couple.by_formula(None, is_good))?;
         Some(if self.swapped { found.mirrored() } else { found })
     }
 
@@ -203,7 +203,7 @@ impl PartPair<'_> {
         Along { reach, at_most: self.at_most() }
     }
 
-    /// At least how deep they overlap, as known from a normal from a to b: metres.
+    /// An upper bound of how deep they overlap, as known from a normal from a to b: metres.
     fn most_along(&self, normal: DVec3) -> f64 {
         self.couple.as_ref().map_or(f64::INFINITY, |couple| {
             let direction = self.in_order(normal);

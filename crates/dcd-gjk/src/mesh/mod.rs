@@ -32,7 +32,7 @@ use crate::epa::Depth;
 use crate::{Method, PosedShape, Reason, Verdict, order};
 use dcd_geom::glam::Vec3;
 use dcd_geom::{Aabb16, Shape};
-use dcd_simd::{Block, IndexRow, Kernel, Lanes, Path, dispatch_on};
+use dcd_simd::{Block, IndexRow, Kernel, Lanes, Path, Unfused, dispatch_on};
 use descent::{Descent, Goal};
 use distance::Open;
 use per_part::PerPart;
@@ -110,17 +110,18 @@ pub fn touching(
     found
 }
 
-/// The same of a mesh and a polytope; appends what the search comes by of their depths as well.
+/// The same of a mesh and a polytope; appends what the search comes by of their depths as well: the same on every path, for
+/// a measure begins with it.
 pub(crate) fn touching_with_depths(
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
+    path: Path,
+    [a, b]: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
     Lists { pairs, depths, mut at_most }: Lists<'_>,
 ) -> (Verdict<()>, Method) {
     let bounded = at_most.as_ref().map_or(0, |list| list.len());
     let first = [pairs.len(), depths.len()];
     let bounds = at_most.as_deref_mut();
-    let found = search(Path::best(), [a, b], scratch, (Goal::All(pairs), Some(depths), bounds));
+    let found = search(path, [a, b], scratch, (Goal::All(pairs), Some(depths), bounds));
     pairs[first[0]..].sort_unstable();
     depths[first[1]..].sort_unstable_by_key(|&(triangle, _)| triangle);
     if let Some(list) = at_most {
@@ -144,7 +145,7 @@ pub struct KnownParts<'a> {
     pub parts: &'a [[u32; 2]],
     /// How deep some of the triangles are, from the mesh to the polytope, in rising order.
     pub depths: &'a [(u32, Depth)],
-    /// At least how deep some are, likewise: metres.
+    /// Upper bounds of some depths, likewise: metres.
     pub at_most: &'a [(u32, f32)],
 }
 
@@ -154,7 +155,7 @@ impl KnownParts<'_> {
         find(self.depths, triangle)
     }
 
-    /// At least how deep a triangle is, metres; infinite where that is not known.
+    /// An upper bound of how deep a triangle is, metres; infinite where that is not known.
     fn at_most(&self, triangle: u32) -> f64 {
         find(self.at_most, triangle).map_or(f64::INFINITY, f64::from)
     }
@@ -197,7 +198,13 @@ fn search(
         undecided: None,
         method: Method::Portal,
     };
-    dispatch_on(path, Search { sides: [a, b], scratch, tally: &mut tally });
+    let has_depths = tally.depths.is_some();
+    let search = Search { sides: [a, b], scratch, tally: &mut tally };
+    // What bounds depths, and which the lanes leave to formulas that find them, is not to differ from path to path.
+    match has_depths {
+        true => dispatch_on(path, Unfused(search)),
+        false => dispatch_on(path, search),
+    }
     tally.answer()
 }
 
@@ -273,7 +280,7 @@ struct Tally<'a> {
     goal: Goal<'a>,
     /// The depths of triangles, where they are wanted.
     depths: Option<&'a mut Vec<(u32, Depth)>>,
-    /// At least how deep they are, likewise.
+    /// An upper bound of how deep they are, likewise.
     at_most: Option<&'a mut Vec<(u32, f32)>>,
     /// Whether the caller's first shape is our second.
     swapped: bool,

@@ -17,7 +17,7 @@ pub(crate) struct TouchingTriangle {
     pub(crate) corners: [DVec3; 3],
     /// From the mesh to the body; `None` where no formula finds it with a bound that is good enough.
     pub(crate) depth: Option<Depth>,
-    /// At least how deep the two overlap, metres.
+    /// An upper bound of how deep the two overlap, metres.
     pub(crate) at_most: f64,
     /// At least the sum of the two diameters.
     pub(crate) diameters: f64,
@@ -103,7 +103,7 @@ pub(crate) fn touching_triangles(
     for triangle in triangles {
         let corners = of_mesh.corners(triangle as usize)?;
         couple.take_triangle(corners);
-        let depth = known.depth(triangle).filter(&is_good).or_else(|| couple.by_formula(&is_good));
+        let depth = couple.by_formula(known.depth(triangle), &is_good);
         let at_most = match &depth {
             Some(found) => most(found),
             None => couple.by_nearest().map_or_else(|| couple.most(), |found| most(&found)),
@@ -160,8 +160,7 @@ pub(crate) fn deepest_by_formula(
             }
         }
         couple.take_triangle(corners);
-        let depth = known.depth(triangle).filter(&is_good);
-        if deepest.add(depth.or_else(|| couple.by_formula(&is_good))?) {
+        if deepest.add(couple.by_formula(known.depth(triangle), &is_good)?) {
             body_along = None;
         }
     }

@@ -150,7 +150,7 @@ impl<'a> Couple<'a> {
         (is_triangle[0] != is_triangle[1]).then(|| Some([core(0)?, core(1)?]))?
     }
 
-    /// At least how deep they overlap: how far they reach past each other from a triangle's point that is nearest to a
+    /// An upper bound of how deep they overlap: how far they reach past each other from a triangle's point that is nearest to a
     /// sphere's centre, or along the normals of a triangle and of a box; infinite where none is a triangle.
     pub(super) fn most(&self) -> f64 {
         let mut least = f64::INFINITY;

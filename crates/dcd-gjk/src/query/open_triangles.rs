@@ -188,7 +188,7 @@ impl<'a> OpenTriangles<'a> {
         Ok((k, Depth { error_bound: most.error_bound.max(above), ..most }))
     }
 
-    /// At least how deep each triangle is that is not measured, if none may be deeper than that; else the one of which least is
+    /// An upper bound of how deep each triangle is that is not measured, if none may be deeper than that; else the one of which least is
     /// known is an error.
     fn most_of_unknown(&mut self, most: &Depth) -> Result<f64, usize> {
         let limit = most.depth * (1.0 + AS_DEEP);

@@ -200,7 +200,7 @@ impl<'a> Slice<'a> {
         let b = PosedShape::of(self.b.scene, pair.j);
         let (verdict, method) = if kept.is_wanted() && mesh::are_mesh_and_polytope(a.shape, b.shape)
         {
-            kept.search(number, [a, b], parts)
+            kept.search(self.path, (number, [a, b]), parts)
         } else if mesh::have_parts(a.shape, b.shape) {
             // No axis of the lanes is one of parts.
             mesh::overlap(a, b, parts)

@@ -3,6 +3,7 @@
 use crate::epa::Depth;
 use crate::mesh::{self, KnownParts, Lists};
 use crate::{Method, PosedShape, Verdict};
+use dcd_simd::Path;
 
 /// Which parts of the touching meshes and polytopes of a slice touch: found once, for yes or no and for the measure.
 #[derive(Clone, Debug, Default)]
@@ -13,7 +14,7 @@ pub(super) struct TouchingParts {
     parts: Vec<[u32; 2]>,
     /// Of some of these.
     depths: Vec<(u32, Depth)>,
-    /// At least how deep they are.
+    /// Upper bounds of how deep they are.
     at_most: Vec<(u32, f32)>,
 }
 
@@ -48,15 +49,15 @@ impl TouchingParts {
     /// Looks for all of a pair.
     pub(super) fn search(
         &mut self,
-        number: u32,
-        [a, b]: [PosedShape<'_>; 2],
+        path: Path,
+        (number, sides): (u32, [PosedShape<'_>; 2]),
         scratch: &mut mesh::Scratch,
     ) -> (Verdict<()>, Method) {
         let first = self.lengths();
         let Self { parts, depths, at_most, wanted, .. } = self;
         let bounds = (*wanted == Wanted::Bounds).then_some(&mut *at_most);
         let lists = Lists { pairs: &mut *parts, depths: &mut *depths, at_most: bounds };
-        let found = mesh::touching_with_depths(a, b, scratch, lists);
+        let found = mesh::touching_with_depths(path, sides, scratch, lists);
         if found.0 == Verdict::Touching(()) {
             self.ends.push((number, self.lengths()));
         } else {

@@ -1,6 +1,7 @@
 //! How far apart shapes are that are made of parts, and how deep they overlap.
 
 use super::*;
+use dcd_simd::Path;
 
 #[test]
 fn the_distance_is_that_of_the_nearest_parts() {
@@ -109,7 +110,18 @@ fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measu
         let (mut pairs, mut depths, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
         let (known, bounded) = (&mut depths, Some(&mut bounds));
         let lists = Lists { pairs: &mut pairs, depths: known, at_most: bounded };
-        touching_with_depths(a, b, &mut Scratch::default(), lists);
+        touching_with_depths(Path::best(), [a, b], &mut Scratch::default(), lists);
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            let mut on_path = (Vec::new(), Vec::new(), Vec::new());
+            let lists = Lists {
+                pairs: &mut on_path.0,
+                depths: &mut on_path.1,
+                at_most: Some(&mut on_path.2),
+            };
+            touching_with_depths(path, [a, b], &mut Scratch::default(), lists);
+            assert_eq!((&on_path.0, &on_path.1), (&pairs, &depths), "{seed} {path:?}");
+            assert_eq!(on_path.2, bounds, "{seed} {path:?}");
+        }
         let bounded: Vec<_> = bounds.iter().map(|&(triangle, _)| [triangle, 0]).collect();
         assert_eq!(bounded, pairs, "{seed}");
         // Each triangle alone, by the expanding polytope.

@@ -61,6 +61,10 @@ impl<S: MeasureDepth> Answers<'_, S> {
     /// Writes the answers that wait. Needed behind the last pair.
     pub(super) fn end(&mut self) {
         let Self { path, solver, scratch, contacts, first, left, waiting, .. } = self;
+        // A solver may make memory for what it is asked.
+        if waiting.is_empty() {
+            return;
+        }
         let unwritten = solver.measure_polytopes(*path, waiting, scratch, contacts);
         for (k, pair) in waiting.iter().enumerate() {
             if unwritten >> k & 1 == 0 {
