@@ -135,7 +135,7 @@ impl Body {
         matches!(self.form, Form::Cuboid { .. })
     }
 
-    /// What is proved of a leaf's triangles in the open lanes. Writes at least how deep each triangle and the body overlap,
+    /// What is proved of a leaf's triangles in the open lanes. Writes an upper bound of how deep each triangle and the body overlap,
     /// where that is wanted: metres, infinite where it is not known.
     #[inline(always)]
     pub(super) fn decide<L: Lanes>(

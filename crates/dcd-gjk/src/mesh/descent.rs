@@ -294,7 +294,7 @@ impl Descent<'_, '_> {
     }
 
     /// What lanes prove of the open triangles of a leaf: by a body's own faces and vertices, and by spheres in it and
-    /// round it. Writes at least how deep each is, where that is wanted and a body's faces tell.
+    /// round it. Writes an upper bound of how deep each is, where that is wanted and a body's faces tell.
     ///
     /// Out of line: it is needed at two places.
     #[inline(always)]

@@ -326,7 +326,7 @@ impl Tally<'_> {
         }
     }
 
-    /// Takes in at least how deep a triangle is that touches, metres, where that is wanted.
+    /// Takes in an upper bound of how deep a triangle is that touches, metres, where that is wanted.
     #[inline(always)]
     fn bound(&mut self, triangle: u32, at_most: f32) {
         if let Some(list) = &mut self.at_most {
