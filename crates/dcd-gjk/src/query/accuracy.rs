@@ -119,14 +119,14 @@ pub struct FoundDepth {
     pub farthest: Option<[u32; 2]>,
 }
 
-/// Two polytopes of which that is known.
+/// Two polytopes that touch, how deep, and where the answer goes: what [`MeasureDepth::measure_polytopes`] takes.
 #[derive(Clone, Copy, Debug)]
 pub struct FoundPair<'a> {
     /// How deep they overlap.
     pub found: FoundDepth,
     /// a and b.
     pub sides: [PosedShape<'a>; 2],
-    /// That of the contact whose answer theirs is.
+    /// The number of the contact whose answer theirs is.
     pub number: usize,
 }
 

@@ -18,7 +18,7 @@ const NARROWINGS: usize = 5;
 
 /// Which of these forms a pair has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Cores {
+pub(super) enum CoreForm {
     /// Two segments or points.
     Straight,
     /// A segment or point, and a cuboid without a radius.
@@ -27,7 +27,7 @@ pub(super) enum Cores {
     Others,
 }
 
-impl Cores {
+impl CoreForm {
     #[inline(always)]
     fn of(a: &Record, b: &Record) -> Self {
         let (both, either) = (a.marks & b.marks, a.marks | b.marks);
@@ -72,9 +72,9 @@ impl Straight {
         let (mut two, mut beside_cuboid) = (0, 0);
         for lane in LanesOf(lanes) {
             let (a, b) = (frames.a.record(packet.a.0[lane]), frames.b.record(packet.b.0[lane]));
-            let cores = Cores::of(a, b);
-            two |= u32::from(cores == Cores::Straight) << lane;
-            beside_cuboid |= u32::from(cores == Cores::AndCuboid) << lane;
+            let cores = CoreForm::of(a, b);
+            two |= u32::from(cores == CoreForm::Straight) << lane;
+            beside_cuboid |= u32::from(cores == CoreForm::AndCuboid) << lane;
         }
         self.two.push(l, packet, two);
         self.beside_cuboid.push(l, packet, beside_cuboid);

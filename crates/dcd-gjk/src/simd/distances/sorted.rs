@@ -5,7 +5,7 @@ use super::super::Scratch as Yes;
 use super::super::closed::{are_cuboids, nearest_features as of_cuboids};
 use super::super::frame::FramePair;
 use super::super::nearest_points::{self, Found};
-use super::super::straight::Cores;
+use super::super::straight::CoreForm;
 use crate::Accuracy;
 use dcd_geom::Pair;
 use dcd_simd::Path;
@@ -72,7 +72,7 @@ impl Kind {
         let (are_cuboids, are_spheres) =
             (are_cuboids(frames, pair), frames.spheres(pair).is_some());
         let has_formula =
-            accuracy == Accuracy::F32 && Cores::of_pair(frames, pair) != Cores::Others;
+            accuracy == Accuracy::F32 && CoreForm::of_pair(frames, pair) != CoreForm::Others;
         let of_others = if has_formula { Self::Formula } else { Self::Searched };
         let of_others = if are_spheres { Self::Spheres } else { of_others };
         if are_cuboids { Self::Cuboids } else { of_others }

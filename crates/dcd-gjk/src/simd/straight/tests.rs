@@ -16,7 +16,7 @@ use dcd_simd::{Kernel, Path, dispatch_on};
 struct Proofs<'a> {
     frames: FramePair<'a>,
     pairs: &'a [Pair],
-    cores: Cores,
+    cores: CoreForm,
 }
 
 impl Kernel for Proofs<'_> {
@@ -29,7 +29,7 @@ impl Kernel for Proofs<'_> {
         entry.spheres::<L, CertifiedBounds>(l);
         let packet = (&entry.packet, self.pairs.len());
         let found = match self.cores {
-            Cores::Straight => straight.of_two(l, self.frames, packet),
+            CoreForm::Straight => straight.of_two(l, self.frames, packet),
             _ => straight.beside_cuboid(l, self.frames, packet),
         };
         let mut clearance = Row::default();
@@ -92,10 +92,10 @@ fn what_is_proved_of_straight_cores_is_true_on_every_path_and_little_is_left_ope
         let objects = prepare::Prepare { scene: &scene, first: 0, part, aabbs: &mut aabbs };
         prepare::prepare(Path::best(), objects);
         let frames = FramePair::of_one(&frame);
-        for cores in [Cores::Straight, Cores::AndCuboid] {
+        for cores in [CoreForm::Straight, CoreForm::AndCuboid] {
             let pairs = (0..scene.len() as u32).step_by(2).map(|k| Pair::new(k, k + 1));
             let pairs: Vec<Pair> =
-                pairs.filter(|&pair| Cores::of_pair(frames, pair) == cores).collect();
+                pairs.filter(|&pair| CoreForm::of_pair(frames, pair) == cores).collect();
             assert!(pairs.len() > 500);
             for pairs in pairs.chunks(WIDTH) {
                 for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
