@@ -49,6 +49,14 @@ impl<'a> ScenePairs<'a> {
         }
     }
 
+    /// The same, where little else is read of a pair: not what a near cache holds.
+    #[inline(always)]
+    pub(super) fn look_ahead_to_far_shapes(&self, number: usize) {
+        if !self.frames.are_near() {
+            self.look_ahead_to_shapes(number);
+        }
+    }
+
     /// Prefetches what the pairs behind one of that number read: the faces of polytopes too, where `facets` says so.
     #[inline(always)]
     pub(super) fn look_ahead(&self, number: usize, facets: bool) {

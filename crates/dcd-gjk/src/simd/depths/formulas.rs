@@ -119,6 +119,7 @@ impl<S: MeasureDepth> Kernel for WritePatches<'_, '_, S> {
         let pairs = &mut of_cuboids.pairs;
         let mut kept = 0;
         for place in 0..pairs.len().min(cuboids.len()) {
+            ScenePairs { pairs, ..objects }.look_ahead_to_far_shapes(place);
             let (pair, number) = (pairs[place], cuboids[place]);
             let patch = patches.of(place);
             if !patch.is_known() || !answers.write_patch(number, patch, objects.posed(pair)) {

@@ -125,7 +125,9 @@ impl<S: MeasureDepth> SimdDepths<S> {
         }
         // The axes count of those alone whose patch is not known.
         of_cuboids::find(self.path, frames, of_cuboids);
-        for (&number, &axes) in cuboids.iter().zip(&of_cuboids.axes) {
+        let listed = ScenePairs { pairs: &of_cuboids.pairs, ..objects };
+        for (place, (&number, &axes)) in cuboids.iter().zip(&of_cuboids.axes).enumerate() {
+            listed.look_ahead_to_far_shapes(place);
             let number = number as usize;
             let sides = objects.posed(objects.pairs[number]);
             let found = depth_of_cuboids(axes, sides, accuracy);
