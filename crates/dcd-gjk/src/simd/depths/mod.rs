@@ -127,7 +127,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
         of_cuboids::find(self.path, frames, of_cuboids);
         let listed = ScenePairs { pairs: &of_cuboids.pairs, ..objects };
         for (place, (&number, &axes)) in cuboids.iter().zip(&of_cuboids.axes).enumerate() {
-            listed.look_ahead_to_far_shapes(place);
+            listed.look_ahead_to_shapes(place);
             let number = number as usize;
             let sides = objects.posed(objects.pairs[number]);
             let found = depth_of_cuboids(axes, sides, accuracy);
