@@ -18,6 +18,8 @@ pub struct SimdFrame {
     form: Form,
     /// Whether some record is marked as [`STRAIGHT_CORE`].
     has_straight_cores: bool,
+    /// Whether some object is a mesh or a compound.
+    has_parts: bool,
     /// How many objects there are. Behind them in the lists are the parts of compounds.
     objects: usize,
     records: Vec<Record>,
@@ -157,6 +159,12 @@ pub(super) struct ObbRecord {
     pub(super) numbers: Row,
 }
 
+/// How many pairs are worth a task: some fifty nanoseconds each. No effect on any answer.
+const FEWEST: usize = 2048;
+
+/// The same where some object has parts: each pair of them takes as long as many of others.
+const FEWEST_OF_PARTS: usize = 128;
+
 /// Frames with at most this many bytes of vertices are not prefetched: what stays in the second cache while other work runs
 /// between two steps. Larger: scenes that come back to cold caches wait for memory, 10,000 hulls a seventh of their time.
 /// Smaller: small ones spend a tenth of their time on hints.
@@ -291,6 +299,8 @@ impl SimdFrame {
         };
         let mut all = cores.iter().chain(parts);
         self.has_straight_cores = self.form == Form::Any && all.any(|core| core.is_straight);
+        let has_parts = |shape: &Shape| matches!(shape, Shape::Mesh(_) | Shape::Compound(_));
+        self.has_parts = scene.shapes().iter().any(has_parts);
         self.objects = scene.len();
         self.records.resize(scene.len(), Record::default());
         let may_stand = cores.iter().chain(parts).any(|core| core.is_box);
@@ -309,6 +319,11 @@ impl SimdFrame {
         if self.form != Form::Any {
             constants(scene, &self.cores, &mut self.records, &mut self.boxes);
         }
+    }
+
+    /// How many pairs take some tens of microseconds at least to decide.
+    pub(super) fn fewest_pairs(&self) -> usize {
+        if self.has_parts { FEWEST_OF_PARTS } else { FEWEST }
     }
 
     fn has_compounds(&self) -> bool {

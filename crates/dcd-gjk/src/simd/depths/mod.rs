@@ -166,7 +166,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         Some(0.0)
     }
 
-    fn fewest_pairs(&self) -> usize {
+    fn fewest_pairs(&self, _: &SimdFrame) -> usize {
         FEWEST_MEASURED
     }
 
