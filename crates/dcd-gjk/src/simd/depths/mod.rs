@@ -241,10 +241,10 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
                     });
                     verdict
                 }
-                None => self
-                    .solver
-                    .measure_at(self.accuracy, sides[0], sides[1], solver)
-                    .map(|answer| sink.contacts.set(to, answer)),
+                None => {
+                    let place = (&mut *sink.contacts, to);
+                    self.solver.measure_alone(self.accuracy, sides, solver, place)
+                }
             };
             if let Verdict::Undecided(reason) = measured {
                 sink.report.leave_unmeasured(pair, reason);
