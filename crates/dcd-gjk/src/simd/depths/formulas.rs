@@ -3,8 +3,9 @@
 use super::super::closed::patches;
 use super::super::closed::{are_cuboids, depths as of_cuboids};
 use super::super::scene_pairs::ScenePairs;
-use super::searched::Searched;
 use super::super::spheres::{MeasureSpheres, Near, NearPair};
+use super::apart::ApartCores;
+use super::searched::{Searched, are_cores_apart, may_be_searched};
 use super::{Answers, SimdDepths};
 use crate::closed;
 use crate::query::MeasureDepth;
@@ -20,6 +21,7 @@ pub(super) struct Sort<'a, 'b, S: MeasureDepth> {
     pub(super) of_cuboids: &'a mut of_cuboids::Scratch,
     pub(super) cuboids: &'a mut Vec<u32>,
     pub(super) searched: &'a mut Searched,
+    pub(super) apart: &'a mut ApartCores,
     pub(super) answers: &'a mut Answers<'b, S>,
 }
 
@@ -28,12 +30,13 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
-        let Self { objects, accuracy, of_cuboids, cuboids, searched, answers } = self;
+        let Self { objects, accuracy, of_cuboids, cuboids, searched, apart, answers } = self;
         let ScenePairs { frames, pairs, .. } = objects;
         let sharp = closed::sharp_of(accuracy);
         cuboids.clear();
         of_cuboids.pairs.clear();
         searched.begin();
+        let apart = apart.begin();
         for (number, &pair) in (0..).zip(pairs) {
             if let Some(spheres) = frames.spheres(pair) {
                 match closed::depth_of_spheres(spheres, sharp) {
@@ -43,11 +46,14 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
             } else if are_cuboids(frames, pair) {
                 cuboids.push(number);
                 of_cuboids.pairs.push(pair);
-            } else if !searched.take(frames, (number, pair), accuracy) {
+            } else if !may_be_searched(frames, pair, accuracy) {
                 answers.left.push(number);
+            } else if are_cores_apart(frames, pair) {
+                apart.push(number);
+            } else {
+                searched.push(frames, (number, pair));
             }
         }
-        searched.end(pairs);
     }
 }
 

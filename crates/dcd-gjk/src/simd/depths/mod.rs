@@ -29,7 +29,7 @@ use crate::{
     Sides, Verdict, order,
 };
 use answers::{Answers, WriteDepth};
-use apart::ApartCores;
+use apart::{ApartCores, Thought};
 use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, List, Pair, Scene};
 use dcd_simd::{ArrayVec, Kernel, Lanes, Path, dispatch_on};
@@ -114,7 +114,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
         let TouchingScratch { surfaces, starts, of_cuboids, patches, cuboids, searched, apart } =
             scratch;
         let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
-        let sort = Sort { objects, accuracy, of_cuboids, cuboids, searched, answers };
+        let sort = Sort { objects, accuracy, of_cuboids, cuboids, searched, apart, answers };
         dispatch_on(self.path, sort);
         if S::READS_PATCHES && accuracy == Accuracy::F32 {
             patches::find(self.path, frames, &of_cuboids.pairs, patches);
@@ -131,9 +131,16 @@ impl<S: MeasureDepth> SimdDepths<S> {
             let found = found.map(|depth| Found { depth, farthest: None });
             answers.write(number, found.as_ref());
         }
+        // What is thought to be apart first, and then what turns out to be.
+        let (of_facets, how) = ((objects, S::READS_FACETS), (Thought::ByRecords, accuracy));
+        apart.answer(self.path, of_facets, how, answers, |_, number| {
+            searched.push(frames, (number, objects.pairs[number as usize]));
+        });
+        searched.end(objects.pairs);
         if !searched.pairs.is_empty() {
             starts.begin();
             let reads_facets = S::READS_FACETS;
+            let looks_ahead = !objects.have_few_shapes();
             let apart_numbers = apart.begin();
             let search = SearchPairs {
                 objects: ScenePairs { pairs: &searched.pairs, ..objects },
@@ -144,10 +151,14 @@ impl<S: MeasureDepth> SimdDepths<S> {
                 surfaces,
                 apart: apart_numbers,
                 reads_facets,
+                looks_ahead,
                 answers,
             };
             search.search_on(self.path);
-            apart.answer(self.path, objects, accuracy, answers);
+            let how = (Thought::BySearch, accuracy);
+            apart.answer(self.path, of_facets, how, answers, |answers, number| {
+                answers.write(number as usize, None);
+            });
         }
         answers.end();
     }
@@ -291,6 +302,8 @@ struct SearchPairs<'a> {
     apart: &'a mut Vec<u32>,
     /// Whether the facets of a pair are read where its answer is written.
     reads_facets: bool,
+    /// Whether what the next pairs read is prefetched.
+    looks_ahead: bool,
     answers: &'a mut dyn WriteDepth,
 }
 
@@ -333,7 +346,7 @@ impl Kernel for SearchPairs<'_> {
                     Next::Support => continue,
                     Next::Ended { nearest, reach } => {
                         self.answers.prefetch(seat.number);
-                        if self.reads_facets {
+                        if self.reads_facets && self.looks_ahead {
                             seat.pair.prefetch_half_edges(&seat.point);
                         }
                         let ended = Ended { surface, nearest, reach, farthest: seat.point };
@@ -372,7 +385,9 @@ impl<'a> SearchPairs<'a> {
             let (&pair, number) = (pairs.get(place)?, *self.numbers.get(place)? as usize);
             self.place += 1;
             let [a, b] = self.objects.posed(pair);
-            self.objects.look_ahead(place, self.reads_facets);
+            if self.looks_ahead {
+                self.objects.look_ahead(place, self.reads_facets);
+            }
             let side = |k: usize, frame: &'a SimdFrame, object: u32, placed| {
                 let core = &frame.cores().cores()[scenes[k].shape_index(object as usize) as usize];
                 Side { core, blocks: frame.blocks_of(frame.record(object)), placed }
