@@ -67,6 +67,8 @@ struct Step {
     /// What that is where it is by a right angle.
     quarter: Option<Quarter>,
     by: [f32; 3],
+    /// Which of those are not 0, a bit each.
+    along: u8,
     moves: Moves,
 }
 
@@ -162,7 +164,8 @@ impl Chain {
             if frames.carries[joint.child] {
                 let (parent, child) = (frames.place(parent), frames.place(joint.child));
                 let quarter = turned.as_ref().and_then(Quarter::of);
-                chain.steps.push(Step { parent, child, turned, quarter, by, moves });
+                let along = (0..3).map(|k| u8::from(by[k] != 0.0) << k).sum();
+                chain.steps.push(Step { parent, child, turned, quarter, by, along, moves });
             }
         }
         chain.frames = frames.count;

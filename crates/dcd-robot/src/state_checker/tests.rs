@@ -103,10 +103,9 @@ fn frames_in_f32_are_within_their_bounds_of_those_of_one_state_at_a_time() {
             dispatch_on(path, PlaceLinks { placed, open, links, rows, to: &mut rounded });
             let rounded = rounded.world;
             let mut alone = Rounded::default();
-            for (lane, state) in states.iter().enumerate() {
-                places.read(prepared, &[state]).unwrap();
-                let placed = places.placed(prepared);
-                dispatch_on(path, PlaceLinks { placed, open: 1, links, rows, to: &mut alone });
+            for lane in 0..WIDTH {
+                let (open, to) = (1 << lane, &mut alone);
+                dispatch_on(path, PlaceLinks { placed, open, links, rows, to });
                 for link in 0..links.len() {
                     let (alone, among) = (alone.one.world().at(link), (&*rounded, lane).at(link));
                     let numbers = (0..12).map(|k| [alone.number(k), among.number(k)]);
