@@ -331,6 +331,11 @@ fn bad_states_are_refused_by_their_index() {
     states[77][0] = f64::NAN;
     assert!(said(&states).starts_with("state 77: ") && said(&states).contains("NaN"));
     assert!(checker.collides::<Vec<f64>>(&[], Par::Serial).unwrap().is_empty());
+    // Of one alone there is no index.
+    let alone = |state: &[f64]| checker.is_free(state).unwrap_err().to_string();
+    for bad in [&short[1], &states[77]] {
+        assert_eq!(said(std::slice::from_ref(bad)), format!("state 0: {}", alone(bad)));
+    }
 }
 
 #[test]

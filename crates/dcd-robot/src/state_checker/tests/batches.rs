@@ -92,6 +92,11 @@ fn answers_of_any_batch_at_any_number_of_threads_are_those_of_every_pair_alone()
                     assert!(ours.eq(due), "{said}");
                     for (k, truth) in truth.iter().enumerate() {
                         assert_eq!(collides[k], !truth.is_empty(), "{said}");
+                        assert_eq!(
+                            checker.is_free(&states[k]).unwrap(),
+                            truth.is_empty(),
+                            "{said}"
+                        );
                         let found = first[k].map(|hit| (hit.pair, hit.touches()));
                         assert_eq!(found.is_some(), !truth.is_empty(), "{said}");
                         assert!(found.is_none_or(|hit| truth.contains(&hit)), "{said}");
