@@ -85,12 +85,9 @@ impl<'a, L: Lanes> One<'a, L> {
     /// Those of sixteen angles of one state in the lanes, where a packet has one angle of sixteen states: a tenth less time
     /// for the links of a state alone than one after the other. Of what slides they mean nothing.
     #[inline(always)]
-    pub(super) fn sines(l: L, rows: &[Row], lane: usize) -> Sines {
+    pub(super) fn sines(l: L, angles: &Row) -> Sines {
         let mut sines = [Row([0.0; WIDTH]); 2];
-        for (angle, row) in sines[0].0.iter_mut().zip(rows) {
-            *angle = row.0[lane % WIDTH];
-        }
-        let [sine, cosine] = sin_cos(All(l), l.load(&sines[0]));
+        let [sine, cosine] = sin_cos(All(l), l.load(angles));
         l.store(sine, &mut sines[0]);
         l.store(cosine, &mut sines[1]);
         sines
@@ -216,7 +213,9 @@ mod tests {
 
         fn run<L: Lanes>(self, l: L) -> Self::Output {
             let Self(rows, lane) = self;
-            let sines = One::sines(l, rows, lane);
+            let mut angles = Row([0.0; WIDTH]);
+            angles.0.iter_mut().zip(rows).for_each(|(angle, row)| *angle = row.0[lane]);
+            let sines = One::sines(l, &angles);
             let of_row = |number: usize| {
                 let [sine, cosine] = All(l).sin_cos(rows, number);
                 let mut all = [Row([0.0; WIDTH]); 2];

@@ -116,7 +116,7 @@ impl Placed<'_> {
         to: &mut OneRounded,
     ) -> f32 {
         let OneRounded { frames, world, .. } = to;
-        let sines = One::sines(l, &self.drives.rows, lane);
+        let sines = One::sines(l, self.drives.alone(lane));
         let slid = self.chain.place_alone(One::with(l, lane, &sines), self.drives, frames);
         if self.exact >> lane & 1 == 1 {
             for (link, frame) in links.iter().zip(&mut *frames) {

@@ -9,6 +9,7 @@ use super::link_frames::{LinkFrames, Place};
 use super::one_link::{LinkPlace, LinkPlaces};
 use super::places::{PlaceLinks, Places};
 use super::rounded_links::Rounded;
+use super::sift::MOST_ALONE;
 use super::*;
 use crate::{AllowedPairs, Attached, LinkShapes, Obstacle, Robot, World};
 use dcd_geom::{Pose, Shape};
@@ -104,7 +105,11 @@ fn frames_in_f32_are_within_their_bounds_of_those_of_one_state_at_a_time() {
             let rounded = rounded.world;
             let mut alone = Rounded::default();
             for lane in 0..WIDTH {
-                let (open, to) = (1 << lane, &mut alone);
+                // One of a few, each of them in turn.
+                let few = all.chunks(MOST_ALONE).nth(lane / MOST_ALONE).unwrap();
+                places.read(prepared, few).unwrap();
+                let (placed, to) = (places.placed(prepared), &mut alone);
+                let open = 1 << (lane % MOST_ALONE);
                 dispatch_on(path, PlaceLinks { placed, open, links, rows, to });
                 for link in 0..links.len() {
                     let (alone, among) = (alone.one.world().at(link), (&*rounded, lane).at(link));
