@@ -292,6 +292,14 @@ impl Polytope {
         }
     }
 
+    /// Prefetches the planes of the faces if they are known already: a hint, without effect on any result.
+    #[inline]
+    pub fn prefetch_planes(&self) {
+        if let Some(planes) = self.planes.get() {
+            planes.prefetch();
+        }
+    }
+
     /// The planes of the core's faces, and what is proved of them: derived on first use, then shared like the
     /// faces.
     pub fn planes(&self) -> &FacetPlanes {

@@ -275,9 +275,9 @@ pub trait NarrowPhase: Send + Sync {
         None
     }
 
-    /// The fewest pairs that are worth a task of their own: some tens of microseconds of work. No effect on any
-    /// answer. Larger: threads that wait for the last one. Smaller: packets of lanes that are not full.
-    fn fewest_pairs(&self) -> usize {
+    /// The fewest pairs of objects of a frame that are worth a task of their own: some tens of microseconds of work. No effect
+    /// on any answer. Larger: threads that wait for the last one. Smaller: packets of lanes that are not full.
+    fn fewest_pairs(&self, _frame: &Self::Frame) -> usize {
         2048
     }
 

@@ -293,7 +293,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
 
     fn judge(&mut self, scene: &Scene, exec: Exec) {
         let Self { narrow, frame, candidates, contacts, sensor_pairs, workers, report, .. } = self;
-        candidates.cut(narrow.fewest_pairs());
+        candidates.cut(narrow.fewest_pairs(frame));
         let candidates = &*candidates;
         narrow.begin_pairs(frame, candidates.slices());
         let side = Prepared { scene, frame: &*frame };

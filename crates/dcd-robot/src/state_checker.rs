@@ -238,6 +238,17 @@ impl StateChecker {
         Ok(self.first(states, exec)?.iter().map(Option::is_some).collect())
     }
 
+    /// Whether a state is proved free: what [`StateChecker::collides`] has of it alone, without its list, as a planner asks of
+    /// one state after another. No memory is allocated once a thread has had a few.
+    ///
+    /// # Errors
+    /// Those of [`StateChecker::collides`], without an index.
+    pub fn is_free(&self, state: &[f64]) -> Result<bool, RobotError> {
+        let mut first = [None];
+        let found = self.workers.with(|worker| worker.first(self, (0, &[state]), &mut first));
+        found.map(|()| first[0].is_none()).map_err(|(_, error)| error)
+    }
+
     /// For each state one contact, if it has any: the one that was found first, always the same. Where nothing is
     /// known to touch, an undecided pair, if there is one.
     ///

@@ -26,6 +26,9 @@ const SHORTEST: f64 = 1e-60;
 /// How often the witnesses are brought nearer to each other. No unit. Smaller: wider bounds.
 const ROUNDS: usize = 8;
 
+/// How far the witnesses may be beside each other to be brought no nearer. Unit: u of the sizes. Larger: wider bounds.
+const OVER: f64 = 9.0;
+
 /// What the axes say.
 pub(super) enum ByAxes {
     /// An axis that separates the two: world, from the second to the first.
@@ -254,9 +257,9 @@ impl Placed {
         let (normal, reach) = (least.normal, least.reach);
         let up = normal * reach;
         // The farthest feature of the cuboid against the normal: a corner, an edge or a side.
-        let near = 1e-12;
-        let low = DVec3::select(normal.cmplt(DVec3::splat(near)), self.half, -self.half);
-        let high = DVec3::select(normal.cmpgt(DVec3::splat(-near)), -self.half, self.half);
+        let level = 1e-12;
+        let low = DVec3::select(normal.cmplt(DVec3::splat(level)), self.half, -self.half);
+        let high = DVec3::select(normal.cmpgt(DVec3::splat(-level)), -self.half, self.half);
         let (low, high) = (low.min(high), low.max(high));
         let (low, high) = match least.feature {
             Axis::Edges(_, j) => {
@@ -267,13 +270,15 @@ impl Placed {
             }
             _ => (low, high),
         };
-        let mut at = match least.feature {
-            Axis::Triangle => (low + high) * 0.5,
+        // The place, and the point of the triangle that it is under, if that is known.
+        let (mut at, known) = match least.feature {
+            Axis::Triangle => ((low + high) * 0.5, None),
             Axis::Cuboid(_) => {
                 let corners = self.corners.map(|corner| (normal.dot(corner), corner));
                 let second = usize::from(corners[1].0 > corners[0].0);
                 let most = if corners[2].0 > corners[second].0 { 2 } else { second };
-                (corners[most].1 - up).clamp(low, high)
+                let corner = corners[most].1;
+                ((corner - up).clamp(low, high), Some(corner))
             }
             Axis::Edges(i, j) => {
                 // Where the edge is over that of the cuboid, seen along a direction square to it.
@@ -283,14 +288,16 @@ impl Placed {
                 across[j] = 0.0;
                 let square = across.length_squared();
                 let share = across.dot(low + up - from) / square;
-                (from + edge * share.clamp(0.0, 1.0) - up).clamp(low, high)
+                let on_edge = from + edge * share.clamp(0.0, 1.0);
+                ((on_edge - up).clamp(low, high), Some(on_edge))
             }
         };
-        let mut beside = f64::INFINITY;
-        for _ in 0..ROUNDS {
-            let over = nearest_of_triangle(self.corners, at + up);
+        let near = OVER * U64 * self.size;
+        let (mut next, mut beside) = (known, f64::INFINITY);
+        for _ in 0..=ROUNDS {
+            let over = next.take().unwrap_or_else(|| nearest_of_triangle(self.corners, at + up));
             beside = over.distance(at + up);
-            if beside <= 1e-15 * self.size {
+            if beside <= near {
                 break;
             }
             at = (over - up).clamp(low, high);

@@ -82,6 +82,18 @@ pub trait MeasureDepth: MeasureAt {
         false
     }
 
+    /// The same for two objects of which nothing is known but that they touch, written as the answer of a contact, over a default
+    /// one. By default by [`MeasureAt::measure_at`].
+    fn measure_alone(
+        &self,
+        accuracy: Accuracy,
+        [a, b]: [PosedShape<'_>; 2],
+        scratch: &mut Self::Scratch,
+        (contacts, number): (&mut ContactsOf<Self::Answer>, usize),
+    ) -> Verdict<()> {
+        self.measure_at(accuracy, a, b, scratch).map(|answer| contacts.set(number, answer))
+    }
+
     /// The same for a mesh and a polytope of which it is known which parts touch, over a default answer. By default by
     /// [`MeasureAt::measure_at`], which finds them again.
     fn measure_parts(

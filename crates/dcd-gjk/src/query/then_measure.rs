@@ -76,7 +76,7 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
         self.narrow.aabb_margin()
     }
 
-    fn fewest_pairs(&self) -> usize {
+    fn fewest_pairs(&self, _: &Self::Frame) -> usize {
         FEWEST_MEASURED
     }
 

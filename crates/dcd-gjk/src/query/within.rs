@@ -109,8 +109,8 @@ impl<N: NarrowPhase> NarrowPhase for Within<N> {
         self.narrow.aabb_margin().map(|own| own + self.half())
     }
 
-    fn fewest_pairs(&self) -> usize {
-        self.narrow.fewest_pairs()
+    fn fewest_pairs(&self, frame: &Self::Frame) -> usize {
+        self.narrow.fewest_pairs(&frame.prepared)
     }
 
     fn constant_answer(&self) -> Option<N::Answer> {

@@ -292,7 +292,7 @@ impl NarrowPhase for SimdDistances {
         Some(self.margin / 2.0)
     }
 
-    fn fewest_pairs(&self) -> usize {
+    fn fewest_pairs(&self, _: &SimdFrame) -> usize {
         FEWEST_MEASURED
     }
 

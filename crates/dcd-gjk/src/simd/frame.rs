@@ -18,6 +18,8 @@ pub struct SimdFrame {
     form: Form,
     /// Whether some record is marked as [`STRAIGHT_CORE`].
     has_straight_cores: bool,
+    /// Whether some object is a mesh or a compound.
+    has_parts: bool,
     /// How many objects there are. Behind them in the lists are the parts of compounds.
     objects: usize,
     records: Vec<Record>,
@@ -157,12 +159,19 @@ pub(super) struct ObbRecord {
     pub(super) numbers: Row,
 }
 
-/// Frames with at most this many bytes of vertices are not prefetched. Larger: large scenes
-/// wait for memory, on CPUs with a second cache of 512 KB from some 6 MB on, a fifth of their time.
-/// Smaller: small ones spend a twentieth of their time on hints.
-const NEAR: usize = 4 << 20;
+/// How many pairs are worth a task: some fifty nanoseconds each. No effect on any answer.
+const FEWEST: usize = 2048;
 
-/// The same of records, where pairs read no vertices: what the second cache holds.
+/// The same where some object has parts: each pair of them takes as long as many of others.
+const FEWEST_OF_PARTS: usize = 128;
+
+/// Frames with at most this many bytes of vertices are not prefetched: what stays in the second cache while other work runs
+/// between two steps. Larger: scenes that come back to cold caches wait for memory, 10,000 hulls a seventh of their time.
+/// Smaller: small ones spend a tenth of their time on hints.
+const NEAR: usize = 2 << 20;
+
+/// The same of records and boxes, where pairs read no vertices. Larger: 10,000 cuboids wait a quarter of their time. Smaller: as many
+/// spheres spend that on hints.
 const NEAR_RECORDS: usize = 1 << 20;
 
 /// The frames of both objects of a pair: the first one's and the second one's, which may be one frame.
@@ -290,6 +299,8 @@ impl SimdFrame {
         };
         let mut all = cores.iter().chain(parts);
         self.has_straight_cores = self.form == Form::Any && all.any(|core| core.is_straight);
+        let has_parts = |shape: &Shape| matches!(shape, Shape::Mesh(_) | Shape::Compound(_));
+        self.has_parts = scene.shapes().iter().any(has_parts);
         self.objects = scene.len();
         self.records.resize(scene.len(), Record::default());
         let may_stand = cores.iter().chain(parts).any(|core| core.is_box);
@@ -308,6 +319,11 @@ impl SimdFrame {
         if self.form != Form::Any {
             constants(scene, &self.cores, &mut self.records, &mut self.boxes);
         }
+    }
+
+    /// How many pairs take some tens of microseconds at least to decide.
+    pub(super) fn fewest_pairs(&self) -> usize {
+        if self.has_parts { FEWEST_OF_PARTS } else { FEWEST }
     }
 
     fn has_compounds(&self) -> bool {
@@ -359,7 +375,9 @@ impl SimdFrame {
     fn is_near(&self) -> bool {
         match self.form {
             Form::Any => size_of_val(&*self.blocks) <= NEAR,
-            Form::Spheres | Form::Cuboids => size_of_val(&*self.records) <= NEAR_RECORDS,
+            Form::Spheres | Form::Cuboids => {
+                size_of_val(&*self.records) + size_of_val(&*self.boxes) <= NEAR_RECORDS
+            }
         }
     }
 

@@ -104,6 +104,10 @@ impl<T: ErrorBounds> NarrowPhase for SimdOverlap<T> {
         Some(0.0)
     }
 
+    fn fewest_pairs(&self, frame: &SimdFrame) -> usize {
+        frame.fewest_pairs()
+    }
+
     fn constant_answer(&self) -> Option<()> {
         Some(())
     }

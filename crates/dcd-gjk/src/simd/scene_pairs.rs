@@ -1,6 +1,6 @@
 //! Pairs of which more is read than the lanes keep: the shapes and poses of the scene itself.
 
-use super::frame::{FramePair, SimdFrame};
+use super::frame::{BOX, FramePair, SPHERE, STRAIGHT_CORE, SimdFrame};
 use crate::PosedShape;
 use dcd_geom::{Pair, Scene, Shape};
 use dcd_simd::{prefetch, prefetch_few};
@@ -28,7 +28,16 @@ const BLOCKS: usize = 6;
 /// See [`BLOCKS`].
 const VERTICES: usize = 12;
 
+/// Scenes of at most this many shapes have them in the second cache: nothing of them is prefetched. No effect on any result. Larger:
+/// shapes that are waited for. Smaller: hints, a twentieth of the time that depths take in a pile of 32 hulls.
+const FEW_SHAPES: usize = 128;
+
 impl<'a> ScenePairs<'a> {
+    /// Whether the shapes are so few that to prefetch what is of them costs more than it hides.
+    pub(super) fn have_few_shapes(&self) -> bool {
+        self.scenes.iter().all(|scene| scene.shapes().len() <= FEW_SHAPES)
+    }
+
     #[inline(always)]
     pub(super) fn posed(&self, pair: Pair) -> [PosedShape<'a>; 2] {
         let [a, b] = self.scenes;
@@ -46,6 +55,14 @@ impl<'a> ScenePairs<'a> {
         if let Some(pair) = pairs.get(number + FAR) {
             prefetch_polytope(of_a, pair.i);
             prefetch_polytope(of_b, pair.j);
+        }
+    }
+
+    /// The same, where little else is read of a pair: not what a near cache holds.
+    #[inline(always)]
+    pub(super) fn look_ahead_to_far_shapes(&self, number: usize) {
+        if !self.frames.are_near() {
+            self.look_ahead_to_shapes(number);
         }
     }
 
@@ -74,6 +91,26 @@ impl<'a> ScenePairs<'a> {
         let [of_a, of_b] = self.scenes;
         prefetch_corners(of_a, pair.i, [0]);
         prefetch_corners(of_b, pair.j, [0]);
+    }
+
+    /// The same, of pairs that are measured one by one: a hull's planes, vertices and, where `facets` says so, faces are read
+    /// beside a sphere, of others their ends.
+    #[inline(always)]
+    pub(super) fn look_ahead_to_measured(&self, number: usize, facets: bool) {
+        self.look_ahead_to_shapes(number);
+        let Self { frames: FramePair { a, b }, scenes: [of_a, of_b], pairs } = *self;
+        let Some(pair) = pairs.get(number + NEAR) else { return };
+        let (marks_a, marks_b) = (a.record(pair.i).marks, b.record(pair.j).marks);
+        let is_other = |marks: u8| marks & (SPHERE | STRAIGHT_CORE | BOX) == 0;
+        for (scene, object, marks, beside) in
+            [(of_a, pair.i, marks_a, marks_b), (of_b, pair.j, marks_b, marks_a)]
+        {
+            if is_other(marks) && beside & SPHERE != 0 {
+                prefetch_planes(scene, object, facets);
+            } else {
+                prefetch_corners(scene, object, [0]);
+            }
+        }
     }
 
     /// The same, where no more is read of polytopes than a few vertices. `corners` says which, of the pair of that number
@@ -149,6 +186,18 @@ fn prefetch_vertices(frame: &SimdFrame, scene: &Scene, object: u32) {
     prefetch_few::<BLOCKS, _>(frame.blocks_of(frame.record(object)));
     if let Shape::Polytope(polytope) = scene.shape(object as usize) {
         prefetch_few::<VERTICES, _>(polytope.vertices());
+    }
+}
+
+/// Prefetches an object's planes and vertices, and its faces where `facets` says so.
+#[inline(always)]
+fn prefetch_planes(scene: &Scene, object: u32, facets: bool) {
+    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+        polytope.prefetch_planes();
+        prefetch_few::<VERTICES, _>(polytope.vertices());
+        if facets {
+            polytope.prefetch_facets();
+        }
     }
 }
 

@@ -29,7 +29,7 @@ pub(super) enum CoreForm {
 
 impl CoreForm {
     #[inline(always)]
-    fn of(a: &Record, b: &Record) -> Self {
+    pub(super) fn of(a: &Record, b: &Record) -> Self {
         let (both, either) = (a.marks & b.marks, a.marks | b.marks);
         let is_each_known =
             (a.marks & (STRAIGHT_CORE | BOX) != 0) & (b.marks & (STRAIGHT_CORE | BOX) != 0);

@@ -72,11 +72,6 @@ impl TouchingParts {
         [self.parts.len(), self.depths.len(), self.at_most.len()]
     }
 
-    /// Whether there is a list.
-    pub(super) fn has_any(&self) -> bool {
-        !self.ends.is_empty()
-    }
-
     /// The lists of the touching pairs, each with its number in the slice, in rising order.
     pub(super) fn lists(&self) -> impl Iterator<Item = (u32, KnownParts<'_>)> {
         let mut first = [0; 3];

@@ -344,6 +344,39 @@ fn spheres_have_what_they_have_alone(others: &[Shape]) {
     }
 }
 
+#[test]
+fn what_is_measured_one_by_one_has_to_the_bit_the_manifold_that_it_has_alone() {
+    let mut draw = Draw(37);
+    let cuboid = Shape::cuboid(DVec3::new(0.5, 0.4, 0.3)).unwrap();
+    let hull = Shape::hull((0..20).map(|_| draw.vector() * 0.6).collect()).unwrap();
+    let shapes = vec![
+        Shape::sphere(0.3).unwrap(),
+        Shape::capsule(0.4, 0.2).unwrap(),
+        cuboid.swept(0.1).unwrap(),
+        cuboid,
+        hull,
+    ];
+    let (scene, pairs) = pairs_among(&mut draw, shapes, [1.0, 1.0], 6000);
+    // By the numbers of the shapes: not what the lanes search, nor two cuboids without a radius, of which they know the patch.
+    let is_alone = |pair: Pair| {
+        let [i, j] = [pair.i, pair.j].map(|k| scene.shape_of()[k as usize]);
+        let (least, most) = (i.min(j), i.max(j));
+        if most == 4 { least == 0 } else { least < 3 }
+    };
+    let pairs: Vec<_> = pairs.into_iter().filter(|&pair| is_alone(pair)).collect();
+    let solver = WithAccuracy::new(Manifolds::default(), Accuracy::F32);
+    let (alone, _) = found(&ThenMeasure::new(solver).unwrap(), &scene, &pairs);
+    for path in paths() {
+        let narrow = SimdDepths::on(path, Manifolds::default(), Accuracy::F32);
+        let (lanes, _) = found(&narrow, &scene, &pairs);
+        assert!(alone == lanes, "{path:?}");
+    }
+    let count = |points: usize| {
+        alone.iter().filter(|found| found.answer[0].points().len() == points).count()
+    };
+    assert!(count(1) > 500 && count(2) > 100 && count(4) > 50, "{} {}", count(1), count(2));
+}
+
 fn is_cuboid(shape: &Shape) -> bool {
     let polytope = shape.as_polytope();
     polytope.is_some_and(|polytope| matches!(polytope.kind(), Kind::Cuboid { .. }))

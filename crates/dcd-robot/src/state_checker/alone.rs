@@ -1,4 +1,4 @@
-//! A state alone: sixteen of its links in the lanes, where a packet has a link in sixteen states.
+//! A state alone, or one of few: sixteen of its links in the lanes, where a packet has a link in sixteen states.
 
 use super::SpherePacket;
 use super::links::LinkSpheres;
@@ -93,17 +93,19 @@ impl LinkRow {
 }
 
 impl Sift<'_> {
-    /// The comparisons of several states, each rounded as there and in the same order, so that the answers are the same.
+    /// The comparisons of several states for one of them, each rounded as there and in the same order, so that the answers
+    /// are the same.
     #[inline(always)]
     pub(super) fn alone<L: Lanes>(
         &mut self,
         l: L,
+        state: usize,
         one: &mut OneRounded,
         near: &mut Vec<(u32, u32)>,
     ) {
         let prepared = self.prepared;
         let (mut links, mut rows) = (&*prepared.world_links, &*prepared.world_rows);
-        let slid = self.placed.place_alone(l, (links, rows), one);
+        let slid = self.placed.place_alone(l, (links, rows, state), one);
         let world = one.world();
         for (number, (row, placed)) in rows.iter().zip(world.spheres).enumerate() {
             let spheres = row.spheres(l, placed);
@@ -115,7 +117,7 @@ impl Sift<'_> {
                     return;
                 }
                 let link = number * WIDTH + lane;
-                self.rows_against(l, (&links[link], world.at(link)), 0, (near, lane));
+                self.rows_against(l, (&links[link], world.at(link)), state, (near, lane));
             }
         }
         if let Some(own_links) = &prepared.own_links {
@@ -133,7 +135,7 @@ impl Sift<'_> {
             let met = near_spheres(l, &rows[row].spheres(l, &spheres[row]), &of_b) & wanted;
             for lane in bits(met) {
                 let of = |link: usize| (&links[link], placed.at(link));
-                self.rows_against_each_other(l, of(row * WIDTH + lane), of(b), 0);
+                self.rows_against_each_other(l, of(row * WIDTH + lane), of(b), state);
             }
         }
     }

@@ -11,6 +11,7 @@ mod turns;
 use super::links::LinkSpheres;
 use super::numbers::Numbers;
 use super::rounded_links::RoundedLink;
+use super::sift::MOST_ALONE;
 use crate::kinematics::{JointFrame, quaternion};
 use crate::model::Drive;
 use crate::{Joint, Motion, Robot};
@@ -67,6 +68,8 @@ struct Step {
     /// What that is where it is by a right angle.
     quarter: Option<Quarter>,
     by: [f32; 3],
+    /// Which of those are not 0, a bit each.
+    along: u8,
     moves: Moves,
 }
 
@@ -123,8 +126,19 @@ pub(super) struct Chain {
 /// What moves the joints of sixteen states.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drives {
-    pub(super) rows: Vec<Row>,
+    rows: Vec<Row>,
+    /// Of each state that may be taken up alone its numbers of the first sixteen rows, side by side: gathered where their sines
+    /// are found, the stores would be waited for.
+    alone: [Row; MOST_ALONE],
     turns: Vec<[Row; 9]>,
+}
+
+impl Drives {
+    /// The numbers of the first sixteen rows of a state that is taken up alone.
+    #[inline(always)]
+    pub(super) fn alone(&self, lane: usize) -> &Row {
+        &self.alone[lane]
+    }
 }
 
 impl Chain {
@@ -162,7 +176,8 @@ impl Chain {
             if frames.carries[joint.child] {
                 let (parent, child) = (frames.place(parent), frames.place(joint.child));
                 let quarter = turned.as_ref().and_then(Quarter::of);
-                chain.steps.push(Step { parent, child, turned, quarter, by, moves });
+                let along = (0..3).map(|k| u8::from(by[k] != 0.0) << k).sum();
+                chain.steps.push(Step { parent, child, turned, quarter, by, along, moves });
             }
         }
         chain.frames = frames.count;
@@ -221,6 +236,9 @@ impl Chain {
             if !self.read_state(robot, state, lane, to) {
                 open |= 1 << lane;
                 to.rows.iter_mut().for_each(|row| row.0[lane] = 0.0);
+                if let Some(alone) = to.alone.get_mut(lane) {
+                    *alone = Row::default();
+                }
             }
         }
         open
@@ -238,10 +256,15 @@ impl Chain {
         for &value in &self.idle {
             is_known &= state[value].is_finite();
         }
+        let alone = to.alone.get_mut(lane).map_or(&mut [][..], |row| &mut row.0);
+        let mut alone = alone.iter_mut();
         for ((by, most), row) in self.drives.iter().zip(&mut to.rows) {
             let value = state[by.value] * by.factor + by.offset;
             is_known &= value.abs() <= *most;
             row.0[lane % WIDTH] = value as f32;
+            if let Some(number) = alone.next() {
+                *number = value as f32;
+            }
         }
         if !self.quaternions.is_empty() {
             is_known &= robot.check_state(state).is_ok();

@@ -67,36 +67,34 @@ impl<L: Lanes> Numbers for All<L> {
 /// The sines and the cosines of a state's first sixteen angles.
 pub(super) type Sines = [Row; 2];
 
-/// The state of the first lane: the others' numbers stay what they were.
+/// The state of one lane: the others' numbers stay what they were.
 #[derive(Clone, Copy)]
-pub(super) struct First<'a, L> {
+pub(super) struct One<'a, L> {
     lanes: std::marker::PhantomData<L>,
+    lane: usize,
     sines: &'a Sines,
 }
 
-impl<'a, L: Lanes> First<'a, L> {
-    /// With what [`First::sines`] has found.
+impl<'a, L: Lanes> One<'a, L> {
+    /// With what [`One::sines`] has found.
     #[inline(always)]
-    pub(super) fn with(_: L, sines: &'a Sines) -> Self {
-        Self { lanes: std::marker::PhantomData, sines }
+    pub(super) fn with(_: L, lane: usize, sines: &'a Sines) -> Self {
+        Self { lanes: std::marker::PhantomData, lane: lane % WIDTH, sines }
     }
 
     /// Those of sixteen angles of one state in the lanes, where a packet has one angle of sixteen states: a tenth less time
     /// for the links of a state alone than one after the other. Of what slides they mean nothing.
     #[inline(always)]
-    pub(super) fn sines(l: L, rows: &[Row]) -> Sines {
+    pub(super) fn sines(l: L, angles: &Row) -> Sines {
         let mut sines = [Row([0.0; WIDTH]); 2];
-        for (lane, row) in rows.iter().take(WIDTH).enumerate() {
-            sines[0].0[lane] = row.0[0];
-        }
-        let [sine, cosine] = sin_cos(All(l), l.load(&sines[0]));
+        let [sine, cosine] = sin_cos(All(l), l.load(angles));
         l.store(sine, &mut sines[0]);
         l.store(cosine, &mut sines[1]);
         sines
     }
 }
 
-impl<L: Lanes> Numbers for First<'_, L> {
+impl<L: Lanes> Numbers for One<'_, L> {
     type F = f32;
     type M = bool;
 
@@ -106,11 +104,11 @@ impl<L: Lanes> Numbers for First<'_, L> {
     }
     #[inline(always)]
     fn load(self, row: &Row) -> f32 {
-        row.0[0]
+        row.0[self.lane]
     }
     #[inline(always)]
     fn store(self, a: f32, row: &mut Row) {
-        row.0[0] = a;
+        row.0[self.lane] = a;
     }
     #[inline(always)]
     fn add(self, a: f32, b: f32) -> f32 {
@@ -147,10 +145,10 @@ impl<L: Lanes> Numbers for First<'_, L> {
     #[inline(always)]
     fn sin_cos(self, rows: &[Row], number: usize) -> [f32; 2] {
         let [sines, cosines] = self.sines;
-        match (sines.0.get(number), cosines.0.get(number)) {
-            (Some(&sine), Some(&cosine)) => [sine, cosine],
-            _ => sin_cos(self, self.load(&rows[number])),
+        if number < WIDTH {
+            return [sines.0[number], cosines.0[number]];
         }
+        sin_cos(self, self.load(&rows[number]))
     }
 }
 
@@ -207,22 +205,24 @@ mod tests {
     use super::*;
     use dcd_simd::{Kernel, Path, dispatch_on};
 
-    /// The sine and the cosine of each row's first angle, of one state and of sixteen.
-    struct Both<'a>(&'a [Row]);
+    /// The sine and the cosine of each row's angle in a lane, of one state and of sixteen.
+    struct Both<'a>(&'a [Row], usize);
 
     impl Kernel for Both<'_> {
         type Output = Vec<[[f32; 2]; 2]>;
 
         fn run<L: Lanes>(self, l: L) -> Self::Output {
-            let Self(rows) = self;
-            let sines = First::sines(l, rows);
+            let Self(rows, lane) = self;
+            let mut angles = Row([0.0; WIDTH]);
+            angles.0.iter_mut().zip(rows).for_each(|(angle, row)| *angle = row.0[lane]);
+            let sines = One::sines(l, &angles);
             let of_row = |number: usize| {
                 let [sine, cosine] = All(l).sin_cos(rows, number);
                 let mut all = [Row([0.0; WIDTH]); 2];
                 l.store(sine, &mut all[0]);
                 l.store(cosine, &mut all[1]);
-                let one = First::with(l, &sines).sin_cos(rows, number);
-                [one, all.map(|row| row.0[0])]
+                let one = One::with(l, lane, &sines).sin_cos(rows, number);
+                [one, all.map(|row| row.0[lane])]
             };
             (0..rows.len()).map(of_row).collect()
         }
@@ -234,13 +234,15 @@ mod tests {
             let angle = |joint: usize| (joint * joint) as f32 * 0.37 % 16.0 - 8.0;
             let row = |joint| Row(std::array::from_fn(|lane| angle(joint + lane)));
             let rows: Vec<Row> = (0..count).map(row).collect();
-            for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-                for (joint, [one, all]) in dispatch_on(path, Both(&rows)).into_iter().enumerate() {
+            let paths = || Path::ALL.into_iter().filter(|path| path.is_available());
+            for (path, lane) in paths().flat_map(|path| [0, 1, 15].map(|lane| (path, lane))) {
+                let found = dispatch_on(path, Both(&rows, lane));
+                for (joint, [one, all]) in found.into_iter().enumerate() {
                     let bits = |pair: [f32; 2]| pair.map(f32::to_bits);
                     assert_eq!(bits(one), bits(all), "{path:?}, joint {joint} of {count}");
-                    let exact = [f64::from(angle(joint)).sin(), f64::from(angle(joint)).cos()];
-                    let off = (0..2).map(|k| (f64::from(one[k]) - exact[k]).abs());
-                    assert!(off.fold(0.0, f64::max) < 3e-7, "{path:?}, {}", angle(joint));
+                    let angle = f64::from(rows[joint].0[lane]);
+                    let off = [f64::from(one[0]) - angle.sin(), f64::from(one[1]) - angle.cos()];
+                    assert!(off.iter().all(|off| off.abs() < 3e-7), "{path:?}, {angle}: {off:?}");
                 }
             }
         }

@@ -7,6 +7,7 @@ use super::link_frames::{LinkFrames, Place};
 use super::links::LinkSpheres;
 use super::prepared::Prepared;
 use super::rounded_links::{Placed, Rounded, bits};
+use super::sift::is_alone;
 use super::worker::RefusedState;
 use dcd_simd::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 
@@ -90,8 +91,9 @@ impl Kernel for PlaceLinks<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         let Self { placed, open, links, rows, to } = self;
-        if open == 1 {
-            placed.place_alone(l, (links, rows), &mut to.one);
+        if is_alone(open) {
+            let lane = open.trailing_zeros() as usize;
+            placed.place_alone(l, (links, rows, lane), &mut to.one);
         } else {
             placed.place(l, links, &mut to.world);
         }

@@ -7,7 +7,7 @@ use super::alone::LinkRow;
 use super::chain::{Chain, Drives, loaded};
 use super::link_frames::{HALF, LinkFrames};
 use super::links::LinkSpheres;
-use super::numbers::{All, First};
+use super::numbers::{All, One};
 use super::one_link::{LinkPlace, LinkPlaces, OneState};
 use super::{MARGIN, SpherePacket};
 use dcd_geom::Aabb;
@@ -107,22 +107,22 @@ impl Placed<'_> {
         slid
     }
 
-    /// The same of a state alone, sixteen links to a row.
+    /// The same of the state of a lane alone, sixteen links to a row.
     #[inline(always)]
     pub(super) fn place_alone<L: Lanes>(
         &self,
         l: L,
-        (links, rows): (&[LinkSpheres], &[LinkRow]),
+        (links, rows, lane): (&[LinkSpheres], &[LinkRow], usize),
         to: &mut OneRounded,
     ) -> f32 {
         let OneRounded { frames, world, .. } = to;
-        let sines = First::sines(l, &self.drives.rows);
-        let slid = self.chain.place_alone(First::with(l, &sines), self.drives, frames);
-        if self.exact != 0 {
+        let sines = One::sines(l, self.drives.alone(lane));
+        let slid = self.chain.place_alone(One::with(l, lane, &sines), self.drives, frames);
+        if self.exact >> lane & 1 == 1 {
             for (link, frame) in links.iter().zip(&mut *frames) {
                 let numbers = &self.frames.frames[link.link];
                 for k in 0..12 {
-                    frame.0[k / 3 * 4 + k % 3] = numbers[k][0][0] as f32;
+                    frame.0[k / 3 * 4 + k % 3] = numbers[k][lane / HALF][lane % HALF] as f32;
                 }
             }
         }

@@ -6,6 +6,7 @@ use super::one_link::{LinkPlace, LinkPlaces};
 use super::prepared::Prepared;
 use super::rounded_links::{Placed, Rounded, bits, stored};
 use super::separate::{PlacedHull, Support, across_gap, unit};
+use super::sift::is_alone;
 use super::solids::{inside, margin_of, within};
 use super::worker::{CHUNK, Refused, RefusedState, Worker, at, with_chunk};
 use super::{FAR, Goal, StateChecker};
@@ -245,9 +246,10 @@ impl Kernel for Sift<'_> {
         let (largest, grown) = ((largest + grown) as f32, grown as f32);
         let seen = Seen { sensed, half: sensed.half_extents().as_vec3(), largest, margin, grown };
         let links = &*prepared.world_links;
-        if open == 1 {
-            placed.place_alone(l, (links, &prepared.world_rows), &mut rounded.one);
-            seen.of_state(l, (prepared, rounded.one.world()), (0, goal), &mut found);
+        if is_alone(open) {
+            let lane = open.trailing_zeros() as usize;
+            placed.place_alone(l, (links, &prepared.world_rows, lane), &mut rounded.one);
+            seen.of_state(l, (prepared, rounded.one.world()), (lane, goal), &mut found);
             return found;
         }
         placed.place(l, links, &mut rounded.world);

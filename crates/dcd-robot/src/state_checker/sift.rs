@@ -43,14 +43,29 @@ impl Kernel for SiftPacket<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> u32 {
         let Self(mut sift, rounded) = self;
-        // The states of a packet are its first ones: this is a state alone.
-        if sift.open == 1 {
-            sift.alone(l, &mut rounded.one, &mut rounded.near);
+        if is_alone(sift.open) {
+            let state = sift.open.trailing_zeros() as usize;
+            sift.alone(l, state, &mut rounded.one, &mut rounded.near);
         } else {
             sift.together(l, rounded);
         }
         sift.open
     }
+}
+
+/// Whether of a packet's states one is taken up alone: its links are in the lanes then, [`Rounded::one`].
+pub(super) fn is_alone(states: u32) -> bool {
+    states.is_power_of_two()
+}
+
+/// Up to how many states of a packet are taken up one by one: of more, sixteen states' lanes take less time. Of the Panda
+/// as spheres two, three and four took 1.9, 1.4 and 1.1 times as long together. No effect on any answer.
+pub(super) const MOST_ALONE: usize = 4;
+
+/// The states of a packet of so many that are taken up at once, a bit each.
+pub(super) fn taken_up(states: usize) -> impl Iterator<Item = u32> {
+    let (count, at_once) = if states <= MOST_ALONE { (states, 1) } else { (1, states) };
+    (0..count).map(move |first| ((1 << at_once) - 1) << first)
 }
 
 /// A box round each link in all of some states.

@@ -9,6 +9,7 @@ use super::link_frames::{LinkFrames, Place};
 use super::one_link::{LinkPlace, LinkPlaces};
 use super::places::{PlaceLinks, Places};
 use super::rounded_links::Rounded;
+use super::sift::MOST_ALONE;
 use super::*;
 use crate::{AllowedPairs, Attached, LinkShapes, Obstacle, Robot, World};
 use dcd_geom::{Pose, Shape};
@@ -103,10 +104,13 @@ fn frames_in_f32_are_within_their_bounds_of_those_of_one_state_at_a_time() {
             dispatch_on(path, PlaceLinks { placed, open, links, rows, to: &mut rounded });
             let rounded = rounded.world;
             let mut alone = Rounded::default();
-            for (lane, state) in states.iter().enumerate() {
-                places.read(prepared, &[state]).unwrap();
-                let placed = places.placed(prepared);
-                dispatch_on(path, PlaceLinks { placed, open: 1, links, rows, to: &mut alone });
+            for lane in 0..WIDTH {
+                // One of a few, each of them in turn.
+                let few = all.chunks(MOST_ALONE).nth(lane / MOST_ALONE).unwrap();
+                places.read(prepared, few).unwrap();
+                let (placed, to) = (places.placed(prepared), &mut alone);
+                let open = 1 << (lane % MOST_ALONE);
+                dispatch_on(path, PlaceLinks { placed, open, links, rows, to });
                 for link in 0..links.len() {
                     let (alone, among) = (alone.one.world().at(link), (&*rounded, lane).at(link));
                     let numbers = (0..12).map(|k| [alone.number(k), among.number(k)]);
@@ -332,6 +336,11 @@ fn bad_states_are_refused_by_their_index() {
     states[77][0] = f64::NAN;
     assert!(said(&states).starts_with("state 77: ") && said(&states).contains("NaN"));
     assert!(checker.collides::<Vec<f64>>(&[], Par::Serial).unwrap().is_empty());
+    // Of one alone there is no index.
+    let alone = |state: &[f64]| checker.is_free(state).unwrap_err().to_string();
+    for bad in [&short[1], &states[77]] {
+        assert_eq!(said(std::slice::from_ref(bad)), format!("state 0: {}", alone(bad)));
+    }
 }
 
 #[test]

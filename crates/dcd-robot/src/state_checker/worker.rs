@@ -4,7 +4,7 @@ use super::places::{PlaceLinks, Places};
 use super::prepared::Prepared;
 use super::rounded_links::Rounded;
 use super::separate::{Planes, Separate};
-use super::sift::{Found, Sift, SiftPacket};
+use super::sift::{Found, Sift, SiftPacket, is_alone, taken_up};
 use super::{Goal, StateChecker, StateHit};
 use crate::RobotError;
 use dcd_geom::{Pose, SceneError};
@@ -180,10 +180,12 @@ impl Worker {
     ) -> Result<(), RefusedState> {
         self.read(prepared, states)?;
         for (states, places) in states.chunks(WIDTH).zip(&self.places) {
-            let (placed, open) = (places.placed(prepared), (1 << states.len()) - 1);
+            let placed = places.placed(prepared);
             let (links, rows) = (&*prepared.world_links, &*prepared.world_rows);
-            let to = &mut self.rounded;
-            dispatch_on(Path::best(), PlaceLinks { placed, open, links, rows, to });
+            for open in taken_up(states.len()) {
+                let to = &mut self.rounded;
+                dispatch_on(Path::best(), PlaceLinks { placed, open, links, rows, to });
+            }
         }
         Ok(())
     }
@@ -202,18 +204,29 @@ impl Worker {
         found.touching.clear();
         found.candidates.clear();
         for (packet, (states, places)) in states.chunks(WIDTH).zip(places).enumerate() {
-            let (first, open) = ((packet * WIDTH) as u32, (1 << states.len()) - 1);
-            let from = found.candidates.len();
             let (path, placed) = (Path::best(), places.placed(prepared));
-            let sift = Sift { prepared, placed, first, open, goal, found: &mut *found };
-            let (open, is_alone) = (dispatch_on(path, SiftPacket(sift, &mut *rounded)), open == 1);
-            if found.candidates.len() == from {
-                continue;
+            let first = (packet * WIDTH) as u32;
+            for taken in taken_up(states.len()) {
+                let (from, is_alone) = (found.candidates.len(), is_alone(taken));
+                let sift = Sift { prepared, placed, first, open: taken, goal, found: &mut *found };
+                let open = dispatch_on(path, SiftPacket(sift, &mut *rounded));
+                if found.candidates.len() == from {
+                    continue;
+                }
+                let (rounded, found, planes) = (&*rounded, &mut *found, &mut *planes);
+                let separate = Separate {
+                    prepared,
+                    rounded,
+                    first,
+                    open,
+                    is_alone,
+                    goal,
+                    found,
+                    planes,
+                    from,
+                };
+                dispatch_on(path, separate);
             }
-            let (rounded, found, planes) = (&*rounded, &mut *found, &mut *planes);
-            let separate =
-                Separate { prepared, rounded, first, open, is_alone, goal, found, planes, from };
-            dispatch_on(path, separate);
         }
         Ok(())
     }

@@ -180,10 +180,15 @@ impl Corners {
         polytope: &'a Polytope,
         placed: Placed<'a>,
     ) -> Facing<'a> {
-        let is_round = polytope.kind() == Kind::Point;
-        let has_corners = !matches!(part, Part::Vertex(_));
-        let outline = Outline::of_body(view, &part, polytope, &placed);
-        Facing { whole: part.name(), has_corners, outline, is_round, polytope, placed }
+        // Written where it is kept.
+        Facing {
+            outline: Outline::of_body(view, &part, polytope, &placed),
+            whole: part.name(),
+            has_corners: !matches!(part, Part::Vertex(_)),
+            is_round: polytope.kind() == Kind::Point,
+            polytope,
+            placed,
+        }
     }
 
     /// Adds the corners that a triangle shares with that, unless they are deeper than the depth: such parts meet along

@@ -323,7 +323,7 @@ pub(super) mod tests {
         let shape = match k % 6 {
             0 | 1 => Shape::hull((0..20).map(|_| vector(draw) * 0.6).collect()),
             2 => prism(3 + k / 6 % 6, 0.7),
-            3 => prism(12, 0.1),
+            3 => prism([12, 20, 24, 32][k / 6 % 4], 0.1),
             4 => Shape::capsule(draw.unit() * 0.6 + 0.1, 0.1),
             _ => Shape::triangle([vector(draw), vector(draw), vector(draw)]),
         };

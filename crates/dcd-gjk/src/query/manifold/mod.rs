@@ -7,6 +7,7 @@
 //! that are at least 0 deep, the deepest is kept, and three that span the most. Objects of parts have such a patch for
 //! each normal along which some of their parts meet.
 
+mod alone;
 mod clip;
 mod contacts;
 mod corners;
@@ -31,11 +32,11 @@ mod stand_in;
 mod surface;
 mod triangle_clip;
 
-use super::{Accuracy, FoundDepth, FoundPair, MeasureAt, MeasureDepth, depths};
+use super::{Accuracy, FoundDepth, FoundPair, MeasureAt, MeasureDepth};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, KnownParts, PartIndex};
 use crate::simd::CuboidPatch;
-use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, closed, order};
+use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
 pub use contacts::ManifoldContacts;
 use corners::Corners;
 pub(crate) use cuboids::case_of;
@@ -221,16 +222,9 @@ impl MeasureAt for Manifolds {
         scratch: &mut Scratch,
     ) -> Verdict<ManifoldSet> {
         if !mesh::have_parts(a.shape, b.shape) {
-            // The closed forms first: what they find is not moved before it is written.
-            if let Some((gap, lowest)) = closed::level::gap_and_lowest(accuracy, a, b) {
-                if let Some(depth) = gap.depth() {
-                    return of_depth(&depth, [a, b], lowest, &mut scratch.corners);
-                }
-            } else if let Some(depth) = depths::by_frame(accuracy, a, b) {
-                return of_depth(&depth, [a, b], None, &mut scratch.corners);
-            }
-            let depth = depths::without_frame(accuracy, a, b, &mut scratch.depth);
-            return manifold_of(depth, a, b, &mut scratch.corners);
+            return alone::of_convex(accuracy, [a, b], scratch, |depth, lowest, corners| {
+                of_depth(depth, [a, b], lowest, corners)
+            });
         }
         let how = Measure { accuracy, options: self.options };
         match accuracy {
@@ -288,6 +282,16 @@ impl MeasureDepth for Manifolds {
             contacts.keep_last(number);
         }
         is_written
+    }
+
+    fn measure_alone(
+        &self,
+        accuracy: Accuracy,
+        sides: [PosedShape<'_>; 2],
+        scratch: &mut Scratch,
+        place: (&mut ManifoldContacts, usize),
+    ) -> Verdict<()> {
+        alone::write(self, accuracy, sides, scratch, place)
     }
 
     fn measure_parts(

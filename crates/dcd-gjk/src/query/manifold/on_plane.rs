@@ -92,26 +92,29 @@ pub(super) fn add(
     sides: [PosedShape<'_>; 2],
     corners: &mut Vec<clip::Corner>,
 ) -> Option<([Feature; 2], f64)> {
-    let resting = Resting::of(depth, sides, None)?;
-    let mut found = ArrayVec::new();
-    match resting.shown.part() {
-        Part::Vertex(only) => resting.below(depth, &[only], &mut found),
-        _ => resting.list(depth, &mut found),
-    }
+    // Looked at where it is.
+    let resting = Resting::of(depth, sides, None);
+    let resting = resting.as_ref()?;
     let side = resting.sides[resting.number];
     let radius = side.shape.radius();
     let inside = radius * (1.0 - resting.level()).max(0.0);
     let from = side.pose.translation() - sides[0].pose.translation();
-    for corner in &*found {
-        let (at, height) = view.of(*side.pose.rotation() * corner.point + from);
+    let add = |index, point, depth| {
+        let (at, height) = view.of(*side.pose.rotation() * point + from);
         let heights = match resting.number {
-            0 => [height + radius, height + radius - corner.depth],
-            _ => [height - radius + corner.depth, height - radius],
+            0 => [height + radius, height + radius - depth],
+            _ => [height - radius + depth, height - radius],
         };
-        let features = resting.features(Feature::Vertex(corner.index));
+        let features = resting.features(Feature::Vertex(index));
         corners.push(clip::Corner::new(at, heights, features).inside(inside));
+    };
+    let part = resting.shown.part();
+    match &part {
+        Part::Vertex(only) => resting.below(depth, std::slice::from_ref(only), add),
+        Part::Edge(ends) => resting.below(depth, ends, add),
+        Part::Face { corners, .. } => resting.below(depth, corners, add),
     }
-    Some((resting.features(resting.shown.part().name()), resting.size))
+    Some((resting.features(part.name()), resting.size))
 }
 
 /// A polytope, cylinder or cone that looks into a half-space.
@@ -194,10 +197,15 @@ impl<'a> Resting<'a> {
     /// Lists the corners of what it shows that are not above the plane.
     #[inline(always)]
     fn list(&self, depth: &Depth, found: &mut ArrayVec<Corner, MOST>) {
+        let (x, y) = self.local.any_orthonormal_pair();
+        let add = |index, point, depth| {
+            let at = DVec2::new(x.dot(point), y.dot(point));
+            found.push(Corner { index, point, at, depth });
+        };
         match self.shown.part() {
             Part::Vertex(_) => {}
-            Part::Edge(ends) => self.below(depth, &ends, found),
-            Part::Face { corners, .. } => self.below(depth, corners, found),
+            Part::Edge(ends) => self.below(depth, &ends, add),
+            Part::Face { corners, .. } => self.below(depth, corners, add),
         }
     }
 
@@ -224,19 +232,17 @@ impl<'a> Resting<'a> {
         }
     }
 
-    /// Adds those of some corners that are not above the plane.
+    /// Hands on those of some corners that are not above the plane: the index, the place in the shape's own frame, the depth.
     #[inline]
-    fn below(&self, depth: &Depth, corners: &[u32], found: &mut ArrayVec<Corner, MOST>) {
+    fn below(&self, depth: &Depth, corners: &[u32], mut found: impl FnMut(u32, DVec3, f64)) {
         let side = self.sides[self.number];
         let on_plane = if self.number == 0 { depth.point_b } else { depth.point_a };
         let base = self.towards.dot(side.pose.translation() - on_plane) + side.shape.radius();
-        let (x, y) = self.local.any_orthonormal_pair();
         for &index in corners {
             let point = self.shown.corner(index);
             let depth = self.local.dot(point) + base;
             if depth >= 0.0 {
-                let at = DVec2::new(x.dot(point), y.dot(point));
-                found.push(Corner { index, point, at, depth });
+                found(index, point, depth);
             }
         }
     }

@@ -11,6 +11,7 @@ use super::feature::{Placed, View};
 use super::hull_pair::Points;
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DVec2, DVec3};
+use dcd_simd::ArrayVec;
 
 /// The most corners of what a body shows. Larger: memory. Smaller: faces of many corners that go the general way.
 const CORNERS: usize = 10;
@@ -20,8 +21,7 @@ type Line = LineOf<u32>;
 /// A face or an edge as it is seen.
 pub(super) struct Outline<const MOST: usize = CORNERS> {
     /// By index, with their places and heights; counter-clockwise as the normal looks back on them.
-    points: [(u32, DVec3); MOST],
-    count: usize,
+    points: ArrayVec<(u32, DVec3), MOST>,
     leaning: Leaning,
 }
 
@@ -61,8 +61,7 @@ impl Outline {
             Part::Vertex(_) => return None,
             &Part::Edge([j, k]) => {
                 let (from, to) = (point(j), point(k));
-                (outline.points[0], outline.points[1]) = (from, to);
-                outline.count = 2;
+                outline.points.extend([from, to].into_iter());
                 if body.vertices().len() == 2 {
                     let along = to.1 - from.1;
                     let across = along.truncate().length();
@@ -70,12 +69,11 @@ impl Outline {
                 }
             }
             Part::Face { normal, corners, .. } => {
-                outline.count = corners.len();
-                // It looks against the normal, and its corners go round clockwise.
-                let used = outline.points.get_mut(..corners.len())?;
-                for (slot, &index) in used.iter_mut().rev().zip(*corners) {
-                    *slot = point(index);
+                if corners.len() > CORNERS {
+                    return None;
                 }
+                // It looks against the normal, and its corners go round clockwise.
+                outline.points.extend(corners.iter().rev().map(|&index| point(index)));
                 outline.leaning.lean(turn * *normal);
             }
         }
@@ -94,14 +92,10 @@ impl Outline<3> {
         match part {
             Part::Vertex(_) => return None,
             &Part::Edge([j, k]) => {
-                (outline.points[0], outline.points[1]) = (point(j), point(k));
-                outline.count = 2;
+                outline.points.extend([point(j), point(k)].into_iter());
             }
             Part::Face { normal, corners, .. } => {
-                outline.count = 3;
-                for (slot, &index) in outline.points.iter_mut().zip(*corners) {
-                    *slot = point(index);
-                }
+                outline.points.extend(corners.iter().map(|&index| point(index)));
                 let (rise, cosine) = view.of(*normal);
                 outline.leaning.lean(rise.extend(cosine));
             }
@@ -113,11 +107,11 @@ impl Outline<3> {
 impl<const MOST: usize> Outline<MOST> {
     fn empty(whole: Feature) -> Self {
         let leaning = Leaning { whole, facing: 0.0, slope: DVec2::ZERO, level: 0.0 };
-        Self { points: [(0, DVec3::ZERO); MOST], count: 0, leaning }
+        Self { points: ArrayVec::new(), leaning }
     }
 
     fn shown(&self) -> Shown<'_> {
-        Shown { points: &self.points[..self.count], leaning: self.leaning }
+        Shown { points: &self.points, leaning: self.leaning }
     }
 }
 

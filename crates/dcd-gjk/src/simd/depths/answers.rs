@@ -60,13 +60,19 @@ impl<S: MeasureDepth> Answers<'_, S> {
 
     /// Writes the answers that wait. Needed behind the last pair.
     pub(super) fn end(&mut self) {
-        let Self { path, solver, scratch, contacts, first, left, waiting, .. } = self;
+        let waiting = std::mem::take(&mut self.waiting);
         // A solver may make memory for what it is asked.
-        if waiting.is_empty() {
-            return;
+        if !waiting.is_empty() {
+            self.write_all(&waiting);
         }
-        let unwritten = solver.measure_polytopes(*path, waiting, scratch, contacts);
-        for (k, pair) in waiting.iter().enumerate() {
+    }
+
+    /// Writes the answers of those pairs.
+    #[inline(always)]
+    fn write_all(&mut self, pairs: &[FoundPair<'_>]) {
+        let Self { path, solver, scratch, contacts, first, left, .. } = self;
+        let unwritten = solver.measure_polytopes(*path, pairs, scratch, contacts);
+        for (k, pair) in pairs.iter().enumerate() {
             if unwritten >> k & 1 == 0 {
                 continue;
             }
@@ -76,7 +82,6 @@ impl<S: MeasureDepth> Answers<'_, S> {
                 _ => left.push((number - *first) as u32),
             }
         }
-        *waiting = ArrayVec::new();
     }
 }
 
@@ -84,8 +89,13 @@ impl<S: MeasureDepth> WriteDepth for Answers<'_, S> {
     fn write(&mut self, number: usize, found: Option<&FoundDepth>) {
         let Some(&found) = found else { return self.left.push(number as u32) };
         let sides = self.objects.posed(self.objects.pairs[number]);
-        self.waiting.push(FoundPair { found, sides, number: self.first + number });
-        if self.waiting.len() >= S::TOGETHER.clamp(1, MOST) {
+        let pair = FoundPair { found, sides, number: self.first + number };
+        // One alone does not wait: it would be written twice and read in between.
+        if S::TOGETHER <= 1 {
+            return self.write_all(&[pair]);
+        }
+        self.waiting.push(pair);
+        if self.waiting.len() >= S::TOGETHER.min(MOST) {
             self.end();
         }
     }

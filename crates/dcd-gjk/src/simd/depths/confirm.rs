@@ -266,7 +266,7 @@ impl<'a> SearchedPair<'a> {
 /// Whether two polytopes have a closed form: two cuboids; if a radius is swept round one also points and segments, and at
 /// the accuracy of f32 a point and any other.
 #[inline(always)]
-fn has_formula(polytopes: [&Polytope; 2], is_swept: bool, accuracy: Accuracy) -> bool {
+pub(super) fn has_formula(polytopes: [&Polytope; 2], is_swept: bool, accuracy: Accuracy) -> bool {
     let [one, other] = polytopes.map(Polytope::kind);
     if is_swept && accuracy == Accuracy::F32 && (one == Kind::Point || other == Kind::Point) {
         return true;

@@ -4,24 +4,24 @@ use super::super::closed::patches;
 use super::super::closed::{are_cuboids, depths as of_cuboids};
 use super::super::scene_pairs::ScenePairs;
 use super::super::spheres::{MeasureSpheres, Near, NearPair};
+use super::apart::ApartCores;
+use super::searched::{Searched, are_cores_apart, may_be_searched};
 use super::{Answers, SimdDepths};
 use crate::closed;
 use crate::query::MeasureDepth;
-use crate::{
-    Accuracy, Contact, ContactList, ContactSink, ContactsOf, PosedShape, Verdict, certified,
-};
-use dcd_geom::{Pair, Shape};
+use crate::{Accuracy, Contact, ContactList, ContactSink, ContactsOf, Verdict, certified};
+use dcd_geom::Pair;
 use dcd_simd::{Kernel, Lanes};
 
-/// Answers the pairs of spheres and lists the others by how they are measured; those of meshes are left to the solver. A kernel for the CPU's instructions alone.
+/// Answers the pairs of spheres and lists the others by how they are measured; what the lanes do not search is left to the
+/// solver. A kernel for the CPU's instructions alone.
 pub(super) struct Sort<'a, 'b, S: MeasureDepth> {
     pub(super) objects: ScenePairs<'a>,
     pub(super) accuracy: Accuracy,
-    /// Whether there are any.
-    pub(super) has_meshes: bool,
     pub(super) of_cuboids: &'a mut of_cuboids::Scratch,
     pub(super) cuboids: &'a mut Vec<u32>,
-    pub(super) searched: &'a mut Vec<u32>,
+    pub(super) searched: &'a mut Searched,
+    pub(super) apart: &'a mut ApartCores,
     pub(super) answers: &'a mut Answers<'b, S>,
 }
 
@@ -30,13 +30,13 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
-        let Self { objects, accuracy, has_meshes, of_cuboids, cuboids, searched, answers } = self;
+        let Self { objects, accuracy, of_cuboids, cuboids, searched, apart, answers } = self;
         let ScenePairs { frames, pairs, .. } = objects;
-        let is_mesh = |side: PosedShape<'_>| matches!(side.shape, Shape::Mesh(_));
         let sharp = closed::sharp_of(accuracy);
         cuboids.clear();
         of_cuboids.pairs.clear();
-        searched.clear();
+        searched.begin();
+        let apart = apart.begin();
         for (number, &pair) in (0..).zip(pairs) {
             if let Some(spheres) = frames.spheres(pair) {
                 match closed::depth_of_spheres(spheres, sharp) {
@@ -46,10 +46,12 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
             } else if are_cuboids(frames, pair) {
                 cuboids.push(number);
                 of_cuboids.pairs.push(pair);
-            } else if has_meshes && objects.posed(pair).into_iter().any(is_mesh) {
+            } else if !may_be_searched(frames, pair, accuracy) {
                 answers.left.push(number);
+            } else if are_cores_apart(frames, pair) {
+                apart.push(number);
             } else {
-                searched.push(number);
+                searched.push(frames, (number, pair));
             }
         }
     }
@@ -119,6 +121,7 @@ impl<S: MeasureDepth> Kernel for WritePatches<'_, '_, S> {
         let pairs = &mut of_cuboids.pairs;
         let mut kept = 0;
         for place in 0..pairs.len().min(cuboids.len()) {
+            ScenePairs { pairs, ..objects }.look_ahead_to_far_shapes(place);
             let (pair, number) = (pairs[place], cuboids[place]);
             let patch = patches.of(place);
             if !patch.is_known() || !answers.write_patch(number, patch, objects.posed(pair)) {

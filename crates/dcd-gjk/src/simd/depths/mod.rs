@@ -10,6 +10,7 @@ mod confirm;
 mod formulas;
 mod left;
 mod search;
+mod searched;
 mod start;
 mod surface;
 mod vectors;
@@ -28,15 +29,15 @@ use crate::{
     Sides, Verdict, order,
 };
 use answers::{Answers, WriteDepth};
-use apart::ApartCores;
+use apart::{ApartCores, Thought};
 use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, List, Pair, Scene};
 use dcd_simd::{ArrayVec, Kernel, Lanes, Path, dispatch_on};
 use formulas::{BySpheres, Sort, WritePatches};
 use left::Left;
 use search::{DepthSearch, Next};
+use searched::Searched;
 use start::Starts;
-use std::slice::Iter;
 use surface::{Point, Surface};
 
 /// How deep the touching pairs overlap, and what a solver makes of it: [`Depths`] or
@@ -98,8 +99,7 @@ struct TouchingScratch {
     patches: patches::Scratch,
     /// The numbers of the pairs of cuboids that are not yet answered, in the order of those that `of_cuboids` looks at.
     cuboids: Vec<u32>,
-    /// The numbers of the pairs that are searched.
-    searched: Vec<u32>,
+    searched: Searched,
     apart: ApartCores,
 }
 
@@ -108,14 +108,13 @@ impl<S: MeasureDepth> SimdDepths<S> {
     fn answer(
         &self,
         objects: ScenePairs<'_>,
-        has_meshes: bool,
         scratch: &mut TouchingScratch,
         mut answers: Answers<'_, S>,
     ) {
         let TouchingScratch { surfaces, starts, of_cuboids, patches, cuboids, searched, apart } =
             scratch;
         let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
-        let sort = Sort { objects, accuracy, has_meshes, of_cuboids, cuboids, searched, answers };
+        let sort = Sort { objects, accuracy, of_cuboids, cuboids, searched, apart, answers };
         dispatch_on(self.path, sort);
         if S::READS_PATCHES && accuracy == Accuracy::F32 {
             patches::find(self.path, frames, &of_cuboids.pairs, patches);
@@ -125,30 +124,43 @@ impl<S: MeasureDepth> SimdDepths<S> {
         }
         // The axes count of those alone whose patch is not known.
         of_cuboids::find(self.path, frames, of_cuboids);
-        for (&number, &axes) in cuboids.iter().zip(&of_cuboids.axes) {
+        let listed = ScenePairs { pairs: &of_cuboids.pairs, ..objects };
+        for (place, (&number, &axes)) in cuboids.iter().zip(&of_cuboids.axes).enumerate() {
+            listed.look_ahead_to_shapes(place);
             let number = number as usize;
             let sides = objects.posed(objects.pairs[number]);
             let found = depth_of_cuboids(axes, sides, accuracy);
             let found = found.map(|depth| Found { depth, farthest: None });
             answers.write(number, found.as_ref());
         }
-        if !searched.is_empty() {
+        // What is thought to be apart first, and then what turns out to be.
+        let (of_facets, how) = ((objects, S::READS_FACETS), (Thought::ByRecords, accuracy));
+        apart.answer(self.path, of_facets, how, answers, |_, number| {
+            searched.push(frames, (number, objects.pairs[number as usize]));
+        });
+        searched.end(objects.pairs);
+        if !searched.pairs.is_empty() {
             starts.begin();
-            let numbers = searched.iter();
             let reads_facets = S::READS_FACETS;
+            let looks_ahead = !objects.have_few_shapes();
             let apart_numbers = apart.begin();
             let search = SearchPairs {
-                objects,
+                objects: ScenePairs { pairs: &searched.pairs, ..objects },
+                numbers: &searched.numbers,
+                place: 0,
                 accuracy,
-                numbers,
                 starts,
                 surfaces,
                 apart: apart_numbers,
                 reads_facets,
+                looks_ahead,
                 answers,
             };
             search.search_on(self.path);
-            apart.answer(self.path, objects, accuracy, answers);
+            let how = (Thought::BySearch, accuracy);
+            apart.answer(self.path, of_facets, how, answers, |answers, number| {
+                answers.write(number as usize, None);
+            });
         }
         answers.end();
     }
@@ -164,7 +176,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         Some(0.0)
     }
 
-    fn fewest_pairs(&self) -> usize {
+    fn fewest_pairs(&self, _: &SimdFrame) -> usize {
         FEWEST_MEASURED
     }
 
@@ -217,7 +229,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
             left: numbers,
             waiting: ArrayVec::new(),
         };
-        self.answer(objects, yes.touching_parts.has_any(), of_touching, answers);
+        self.answer(objects, of_touching, answers);
         left.sort(frames, touching);
         let mut lists = yes.touching_parts.lists().peekable();
         let Left { numbers, pairs: in_order, .. } = left;
@@ -225,7 +237,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let mut place = 0;
         numbers.retain(|&number| {
             let pair = in_order.pairs[place];
-            in_order.look_ahead_to_shapes(place);
+            in_order.look_ahead_to_measured(place, S::READS_FACETS);
             place += 1;
             let sides = objects.posed(pair);
             let to = first + number as usize;
@@ -242,10 +254,10 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
                     });
                     verdict
                 }
-                None => self
-                    .solver
-                    .measure_at(self.accuracy, sides[0], sides[1], solver)
-                    .map(|answer| sink.contacts.set(to, answer)),
+                None => {
+                    let place = (&mut *sink.contacts, to);
+                    self.solver.measure_alone(self.accuracy, sides, solver, place)
+                }
             };
             if let Verdict::Undecided(reason) = measured {
                 sink.report.leave_unmeasured(pair, reason);
@@ -281,15 +293,19 @@ const SEATS: usize = 8;
 /// Searches the pairs.
 struct SearchPairs<'a> {
     objects: ScenePairs<'a>,
+    /// Their numbers among the touching ones.
+    numbers: &'a [u32],
+    /// Which of them is searched next.
+    place: usize,
     accuracy: Accuracy,
-    /// The numbers of the pairs that are searched next.
-    numbers: Iter<'a, u32>,
     surfaces: &'a mut [Surface; SEATS],
     starts: &'a mut Starts,
     /// The numbers of the swept pairs whose cores do not overlap, as far as f32 knows.
     apart: &'a mut Vec<u32>,
     /// Whether the facets of a pair are read where its answer is written.
     reads_facets: bool,
+    /// Whether what the next pairs read is prefetched.
+    looks_ahead: bool,
     answers: &'a mut dyn WriteDepth,
 }
 
@@ -332,7 +348,7 @@ impl Kernel for SearchPairs<'_> {
                     Next::Support => continue,
                     Next::Ended { nearest, reach } => {
                         self.answers.prefetch(seat.number);
-                        if self.reads_facets {
+                        if self.reads_facets && self.looks_ahead {
                             seat.pair.prefetch_half_edges(&seat.point);
                         }
                         let ended = Ended { surface, nearest, reach, farthest: seat.point };
@@ -362,15 +378,18 @@ impl<'a> SearchPairs<'a> {
         dispatch_on(path, self);
     }
 
-    /// The next pair that is to be searched, in the place of that number; those before it are answered.
+    /// The next pair that is to be searched, in the seat of that number; those before it are answered.
     #[inline(always)]
-    fn next<L: Lanes>(&mut self, l: L, place: usize) -> Option<Seat<'a>> {
+    fn next<L: Lanes>(&mut self, l: L, seat: usize) -> Option<Seat<'a>> {
         let ScenePairs { frames, scenes, pairs } = self.objects;
         loop {
-            let number = *self.numbers.next()? as usize;
-            let pair = pairs[number];
+            let place = self.place;
+            let (&pair, number) = (pairs.get(place)?, *self.numbers.get(place)? as usize);
+            self.place += 1;
             let [a, b] = self.objects.posed(pair);
-            self.objects.look_ahead(number, self.reads_facets);
+            if self.looks_ahead {
+                self.objects.look_ahead(place, self.reads_facets);
+            }
             let side = |k: usize, frame: &'a SimdFrame, object: u32, placed| {
                 let core = &frame.cores().cores()[scenes[k].shape_index(object as usize) as usize];
                 Side { core, blocks: frame.blocks_of(frame.record(object)), placed }
@@ -383,7 +402,7 @@ impl<'a> SearchPairs<'a> {
                 let of_a = self.starts.of(l, (pair.i, false), sides[0].blocks);
                 let of_b = self.starts.of(l, (pair.j, is_second), sides[1].blocks);
                 let extremes = searched.in_order([&of_a, &of_b]);
-                search.start(l, &searched.cloud, extremes, &mut self.surfaces[place]);
+                search.start(l, &searched.cloud, extremes, &mut self.surfaces[seat]);
                 return Some(Seat { number, pair: searched, search, point: Point::default() });
             }
             self.answers.write(number, None);

@@ -5,8 +5,8 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::turns::rotation;
-use super::{Chain, Column, Drives, Moves, Quarter, Sign};
-use crate::state_checker::numbers::{First, Numbers};
+use super::{Chain, Column, Drives, Moves, Quarter, Sign, Step};
+use crate::state_checker::numbers::{Numbers, One};
 use dcd_simd::{Lanes, Row, WIDTH};
 use glam::Vec4;
 
@@ -19,7 +19,7 @@ impl Chain {
     #[inline(always)]
     pub(in super::super) fn place_alone<L: Lanes>(
         &self,
-        l: First<'_, L>,
+        l: One<'_, L>,
         drives: &Drives,
         to: &mut Vec<Row>,
     ) -> f32 {
@@ -37,7 +37,7 @@ impl Chain {
         let mut slid = 0.0;
         for step in &self.steps {
             let [x, y, z, at] = if step.parent == last { held } else { loaded(&to[step.parent]) };
-            let at = moved::<L>([x, y, z], step.by, at);
+            let at = shifted::<L>([x, y, z], step, at);
             let axes = match (step.quarter, &step.turned) {
                 (Some(Quarter::X(Sign::Plus)), _) => [x, z, -y],
                 (Some(Quarter::X(Sign::Minus)), _) => [x, -z, y],
@@ -127,6 +127,17 @@ fn mul_add<L: Lanes>(a: Vec4, b: f32, c: Vec4) -> Vec4 {
     } else {
         a * b + c
     }
+}
+
+/// What is at `at`, moved along the parent's axes to where a step's link is: those of 0 are left out.
+#[inline(always)]
+fn shifted<L: Lanes>(axes: [Vec4; 3], step: &Step, mut at: Vec4) -> Vec4 {
+    for k in 0..3 {
+        if step.along >> k & 1 == 1 {
+            at = mul_add::<L>(axes[k], step.by[k], at);
+        }
+    }
+    at
 }
 
 /// What is at `at`, moved along the axes: those of 0 are left out.

@@ -75,7 +75,7 @@ fn answers_of_any_batch_at_any_number_of_threads_are_those_of_every_pair_alone()
         let states = states(&mut draw, cell.robot(), 100);
         let truth: Vec<_> = states.iter().map(|state| alone(&mut cell, state)).collect();
         for (size, threads) in
-            [1, 2, 15, 16, 17, 100].into_iter().flat_map(|s| [1, 2, 3].map(|t| (s, t)))
+            [1, 2, 4, 5, 16, 19, 100].into_iter().flat_map(|s| [1, 2, 3].map(|t| (s, t)))
         {
             let said = format!("round {round}, {size} at once on {threads} threads");
             dcd_exec::with_threads(threads, || {
@@ -92,6 +92,11 @@ fn answers_of_any_batch_at_any_number_of_threads_are_those_of_every_pair_alone()
                     assert!(ours.eq(due), "{said}");
                     for (k, truth) in truth.iter().enumerate() {
                         assert_eq!(collides[k], !truth.is_empty(), "{said}");
+                        assert_eq!(
+                            checker.is_free(&states[k]).unwrap(),
+                            truth.is_empty(),
+                            "{said}"
+                        );
                         let found = first[k].map(|hit| (hit.pair, hit.touches()));
                         assert_eq!(found.is_some(), !truth.is_empty(), "{said}");
                         assert!(found.is_none_or(|hit| truth.contains(&hit)), "{said}");

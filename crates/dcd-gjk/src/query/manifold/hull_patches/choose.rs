@@ -1,6 +1,6 @@
 //! Four corners of each patch that stand for all.
 
-use super::rows::{Kept, Slots, Vector, abs, store};
+use super::rows::{Kept, Slot, Slots, Vector, abs, store};
 use dcd_simd::Lanes;
 
 /// A place square to the normal.
@@ -76,7 +76,8 @@ fn squared<L: Lanes>(l: L, [x, y]: Place<L>) -> L::D {
 impl Slots {
     #[inline(always)]
     fn load<L: Lanes>(&self, l: L, slot: usize) -> Vector<L> {
-        [l.load_d(&self.x[slot]), l.load_d(&self.y[slot]), l.load_d(&self.depth[slot])]
+        let Slot { x, y, depth, .. } = &self.0[slot];
+        [l.load_d(x), l.load_d(y), l.load_d(depth)]
     }
 }
 

@@ -164,10 +164,11 @@ impl<L: Lanes> Run<L> {
 impl Slots {
     #[inline(always)]
     fn write<L: Lanes>(&mut self, l: L, slot: usize, [x, y, depth]: Vector<L>, by: L::D) {
-        l.store_d(x, &mut self.x[slot]);
-        l.store_d(y, &mut self.y[slot]);
-        l.store_d(depth, &mut self.depth[slot]);
-        l.store_d(by, &mut self.by[slot]);
+        let slot = &mut self.0[slot];
+        l.store_d(x, &mut slot.x);
+        l.store_d(y, &mut slot.y);
+        l.store_d(depth, &mut slot.depth);
+        l.store_d(by, &mut slot.by);
     }
 }
 

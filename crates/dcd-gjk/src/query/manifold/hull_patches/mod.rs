@@ -276,7 +276,7 @@ impl<'a> PlacedCorners<'a> {
     #[inline(always)]
     fn features(&self, slot: usize) -> [Feature; 2] {
         let ([of_clips, of_clipped], [sides, edges]) = (self.whole, self.corners);
-        let by = self.packet.slots.by[slot % SLOTS][self.lane];
+        let by = self.packet.slots.0[slot % SLOTS].by[self.lane];
         let side = by as usize % CORNERS;
         let of_clips = [from(sides, side), Feature::Vertex(corner(sides, side)), of_clips];
         let kind = if by < CORNER { 0 } else { 1 + usize::from(by >= SURFACE) };

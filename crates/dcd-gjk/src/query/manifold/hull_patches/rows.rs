@@ -6,8 +6,9 @@ use dcd_simd::{Lanes, WIDTH};
 /// How many pairs are looked at together.
 pub(in super::super) const PAIRS: usize = WIDTH / 2;
 
-/// The most corners of a face. Larger: memory. Smaller: faces of many corners that go pair by pair.
-pub(super) const CORNERS: usize = 8;
+/// The most corners of a face: the ends of a cylinder in a game have some twenty. Larger: memory. Smaller: faces of many corners that
+/// go pair by pair, twice as slowly.
+pub(super) const CORNERS: usize = 24;
 
 /// How many places there are for corners of a patch: where each edge of what is clipped comes in and goes out, the corners of
 /// the face that clips, and one on each of its sides.
@@ -40,16 +41,26 @@ pub(super) struct Outline {
     pub(super) depths: [Eight; CORNERS],
 }
 
-/// Places of a patch, some of which are corners of it.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Slots {
+/// A place of each patch, which may be a corner of it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slot {
     /// Where, square to the normal.
-    pub(super) x: [Eight; SLOTS],
-    pub(super) y: [Eight; SLOTS],
+    pub(super) x: Eight,
+    pub(super) y: Eight,
     /// How deep: −∞ of what is no corner.
-    pub(super) depth: [Eight; SLOTS],
+    pub(super) depth: Eight,
     /// What makes it a corner: see [`super::CORNER`].
-    pub(super) by: [Eight; SLOTS],
+    pub(super) by: Eight,
+}
+
+/// Places of patches.
+#[derive(Clone, Debug)]
+pub(super) struct Slots(pub(super) [Slot; SLOTS]);
+
+impl Default for Slots {
+    fn default() -> Self {
+        Self([Slot::default(); SLOTS])
+    }
 }
 
 /// The corners that stand for all.

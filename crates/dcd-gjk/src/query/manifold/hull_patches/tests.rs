@@ -5,7 +5,7 @@ use super::super::hull_pair::{
     tests::{shape, turn, vector},
 };
 use super::super::{Manifold, ManifoldContacts, ManifoldPoint};
-use super::rows::{Kept, Slots};
+use super::rows::{Kept, Slot, Slots};
 use super::*;
 use crate::query::MeasureAt;
 use crate::{Accuracy, ContactList, Depths, PosedShape, Verdict};
@@ -233,7 +233,7 @@ fn of_corners_in_line_the_ends_are_kept() {
     let (mut slots, mut kept) = (Slots::default(), Kept::default());
     let depths = [f64::NEG_INFINITY, 2.0, 2.0, 2.0];
     for (slot, (x, depth)) in [9.0, 0.0, -1.0, 3.0].into_iter().zip(depths).enumerate() {
-        (slots.x[slot], slots.y[slot], slots.depth[slot]) = ([x; 8], [2.0 * x; 8], [depth; 8]);
+        slots.0[slot] = Slot { x: [x; 8], y: [2.0 * x; 8], depth: [depth; 8], by: [0.0; 8] };
     }
     dispatch_on(Path::best(), Choose(&slots, &mut kept));
     let found = [0, 1, 2].map(|k| kept.slots[k][5]);
