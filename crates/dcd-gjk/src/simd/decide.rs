@@ -1,5 +1,8 @@
 //! A slice of pairs on its way through the stages.
 
+mod measured;
+mod stages;
+
 use super::axis::hinted;
 use super::axis_aligned;
 use super::by_parts;
@@ -8,10 +11,11 @@ use super::expand;
 use super::first_stages::{self, Entry, Place, Resolved};
 use super::frame::{AXIS_ALIGNED, BOX, FramePair, SimdFrame};
 use super::kept_proofs::KeptProofs;
+use super::nearest_points::Found;
 use super::obb::{self, ObbPairs};
 use super::packet::{
-    AFTER_CONE, AFTER_SECOND_POINT, AFTER_SPHERES, LanesOf, Number, PacketQueue, PairPacket,
-    Vector, Whole,
+    AFTER_CONE, AFTER_NEAREST, AFTER_SECOND_POINT, AFTER_SPHERES, LanesOf, Number, PacketQueue,
+    PairPacket, Vector, Whole,
 };
 use super::portal;
 use super::prefetch::Prefetch;
@@ -23,6 +27,8 @@ use crate::{Method, PosedShape, Prepared, Report, Verdict, certified, mesh};
 use dcd_geom::Pair;
 use dcd_geom::glam::Vec3;
 use dcd_simd::{Block, Kernel, Lanes, Path, WIDTH, dispatch_on};
+use measured::Measured;
+use stages::Stage;
 use std::marker::PhantomData;
 
 /// What a thread reuses from slice to slice.
@@ -32,6 +38,8 @@ pub struct Scratch {
     touching: Vec<bool>,
     /// Where proofs are to last.
     kept: KeptProofs,
+    /// Where distances are to be measured.
+    pub(super) measured: Measured,
     left: Vec<Left>,
     ahead: Prefetch,
     support_scratch: SupportScratch,
@@ -47,6 +55,8 @@ pub struct Scratch {
     axis: PacketQueue<AFTER_SPHERES>,
     /// What waits for the next support of rounded shapes.
     near: PacketQueue<AFTER_SECOND_POINT>,
+    /// What waits for the next support of a search for nearest points.
+    search: PacketQueue<AFTER_NEAREST>,
     /// What waits for the second point.
     second: PacketQueue<AFTER_CONE>,
     /// What waits for the next support.
@@ -78,49 +88,14 @@ impl Scratch {
         std::mem::swap(&mut self.left, left);
     }
 
+    /// Exchanges where it is written what was found of the pairs that are measured.
+    pub(super) fn lend_found(&mut self, found: &mut Vec<Found>) {
+        std::mem::swap(&mut self.measured.found, found);
+    }
+
     /// To be written before a slice is judged by proofs that are to last.
     pub(crate) fn kept_mut(&mut self) -> &mut KeptProofs {
         &mut self.kept
-    }
-}
-
-/// A stage after the spheres, with a queue of its own.
-#[derive(Clone, Copy)]
-enum Stage {
-    Straight,
-    Obbs,
-    CentreAxis,
-    Nearest,
-    SecondPoint,
-    Portal,
-}
-
-impl Stage {
-    /// All, the latest first.
-    const LATEST_FIRST: [Self; 6] = [
-        Self::Portal,
-        Self::SecondPoint,
-        Self::Nearest,
-        Self::CentreAxis,
-        Self::Obbs,
-        Self::Straight,
-    ];
-}
-
-impl Scratch {
-    /// The latest stage for which a packet waits. So each stage finds space in the next one's queue for what it
-    /// hands on.
-    #[inline(always)]
-    fn latest_stage(&self, whole: Whole) -> Option<Stage> {
-        let waits = |stage: &Stage| match stage {
-            Stage::Straight => self.straight.has(whole),
-            Stage::Obbs => self.boxed.has(whole),
-            Stage::CentreAxis => self.axis.has(whole),
-            Stage::Nearest => self.near.has(whole),
-            Stage::SecondPoint => self.second.has(whole),
-            Stage::Portal => self.portal.has(whole),
-        };
-        Stage::LATEST_FIRST.into_iter().find(waits)
     }
 }
 
@@ -245,6 +220,9 @@ impl<T: ErrorBounds> Kernel for Decide<'_, T> {
         if T::KEEPS != KeptProof::Nothing {
             self.scratch.kept.begin(pairs.len());
         }
+        if T::KEEPS == KeptProof::Gap {
+            self.scratch.measured.begin(pairs.len());
+        }
         self.scratch.left.clear();
         self.scratch.ahead.look(self.frames, pairs.chunks(WIDTH).next().unwrap_or_default());
         self.scratch.ahead.look(self.frames, pairs.chunks(WIDTH).nth(1).unwrap_or_default());
@@ -260,6 +238,8 @@ impl<T: ErrorBounds> Kernel for Decide<'_, T> {
                     Stage::Portal => self.round(l),
                     Stage::SecondPoint => self.second_point(l),
                     Stage::Nearest => self.nearer(l),
+                    Stage::Search => self.measure(l, stage),
+                    Stage::CentreAxis if T::KEEPS == KeptProof::Gap => self.measure(l, stage),
                     Stage::CentreAxis => self.first_axis(l),
                     Stage::Obbs => self.obbs(l),
                     Stage::Straight => self.nearest_of_straight(l, whole),

@@ -328,6 +328,8 @@ impl NarrowPhase for SimdDistances {
         }
         let Scratch { yes, report, sorted } = &mut *scratch;
         report.clear();
+        // Rounded up, so that no pair within the margin is left out.
+        yes.measured.margin = (self.margin as f32).next_up();
         GapBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
         // What is undecided there is resolved again, by itself.
         report.sort();
@@ -358,10 +360,10 @@ impl NarrowPhase for SimdDistances {
             match kind {
                 Kind::Cuboids => features = of_cuboids.next().copied().unwrap_or_default(),
                 Kind::Searched => {
-                    if let Some((number, &of_open)) = near.next() {
-                        self.look_ahead(objects, number, searched);
-                        nearest = searched.nearest.found[of_open as usize];
+                    if let Some((place, _)) = near.next() {
+                        self.look_ahead(objects, place, searched);
                     }
+                    nearest = searched.found[number as usize];
                 }
                 Kind::Formula => {
                     let number = formulas.next().unwrap_or_default();

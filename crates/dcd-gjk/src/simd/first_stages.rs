@@ -125,8 +125,8 @@ impl Entry {
         let unit = l.mul(size, l.splat(U));
         packet.set_number(l, Number::Unit, unit);
 
-        let separation = l.add(slack, choice);
-        let separation = l.mul_add(unit, l.splat(SEPARATION), separation);
+        // Not fused: distances and their bounds come of it, which are the same on every path.
+        let separation = l.add(l.mul(unit, l.splat(SEPARATION)), l.add(slack, choice));
         packet.set_number(l, Number::Separation, separation);
         let squared = c.dot(l, c);
         let error = l.mul_add(unit, l.splat(HULL_OF_SPHERE[0]), l.add(slack, slack));

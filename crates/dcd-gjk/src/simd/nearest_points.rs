@@ -2,16 +2,16 @@
 //! proved and the vertices that the nearest points lie between.
 
 use super::bounds::{CLOSED, SHORTEST, U};
-use super::certificate::{CertifiedBounds, UncheckedBounds, separates};
+use super::certificate::{Certificate, CertifiedBounds, UncheckedBounds, separates};
 use super::first_stages::{Entry, Place, Resolved};
 use super::frame::FramePair;
 use super::obb::{self, ObbPairs};
 use super::packet::{
-    AFTER_CONE, AFTER_NEAREST, CORNER_BITS, Corner, LanesOf, Number, PacketQueue, PairPacket,
+    AFTER_NEAREST, AFTER_SPHERES, CORNER_BITS, Corner, LanesOf, Number, PacketQueue, PairPacket,
     Vector, Whole,
 };
-use super::portal::ROUNDS;
-use super::simplex::{Nearest, Vertex};
+use super::portal::{ROUNDS, portal_holds_origin};
+use super::simplex::{Nearest, Vertex, radii_reach};
 use super::support::SupportScratch;
 use super::vector::V3;
 use dcd_geom::{Pair, Polytope};
@@ -56,8 +56,8 @@ pub(super) struct Scratch {
     support_scratch: SupportScratch,
     boxes: ObbPairs,
     packet: PairPacket,
-    /// What waits for its first support: in the direction that stands where its first point will.
-    first: PacketQueue<AFTER_CONE>,
+    /// What waits for its first support.
+    first: PacketQueue<AFTER_SPHERES>,
     /// What waits for the next one.
     next: PacketQueue<AFTER_NEAREST>,
     /// For each pair of the slice what was found.
@@ -127,40 +127,25 @@ impl CoreSearch<'_> {
         let live = entry.live;
         let mut beyond = beyond_by(l, spheres, self.margin) & live;
         let packet = &mut entry.packet;
-        let mut axis = packet.vector(l, Vector::C);
         if entry.boxed & live & !beyond != 0 {
-            let of_boxes = (&*packet, pairs.len());
-            let (tried, normal) = obb::faces(l, self.frames, boxes, of_boxes);
+            let tried = obb::faces(l, self.frames, boxes, (&*packet, pairs.len()));
             beyond |= beyond_by(l, tried, self.margin) & entry.boxed & live;
-            axis = V3::select(l, l.mask(entry.boxed), normal, axis);
         }
-        packet.set_vector(l, Vector::P0, axis.neg(l));
         put_apart(found, packet, beyond);
-        let radius = l.add(packet.number(l, Number::Radius), l.splat(self.margin));
-        packet.set_number(l, Number::Radius, l.mul(radius, l.splat(1.0 + 4.0 * U)));
         queue.push(l, packet, live & !beyond);
     }
 
-    /// The first point of each is the support along the axis between the centres, or along the normal of a box.
+    /// The first point of each is the support along the axis between the centres.
     #[inline(always)]
     fn first_support<L: Lanes>(&mut self, l: L) {
         let Scratch { support_scratch, packet, first, next, found, .. } = &mut *self.scratch;
         let taken = first.take(l, packet);
         let used = (1u32 << taken) - 1;
-        packet.set_number(l, Number::Lower, l.splat(0.0));
         let mut at = Place { frames: self.frames, support_scratch };
-        let d = packet.vector(l, Vector::P0);
-        let new = support(l, &mut at, packet, (d, taken));
-        let axis = d.neg(l);
-        let beyond = look_along(l, packet, axis, new.at) & used;
+        let d = packet.vector(l, Vector::C).neg(l);
+        let apart = Resolved::apart(l, begin(l, &mut at, (packet, taken), d));
+        let beyond = beyond_by(l, apart, self.margin) & used;
         put_apart(found, packet, beyond);
-        let (zero, one) = (l.splat(0.0), [new; 3]);
-        keep(l, packet, one, [zero; 2]);
-        let lengths = l.mul(axis.dot(l, axis), new.at.dot(l, new.at));
-        let is_normal = l.lt(l.mul(l.splat(NORMAL), l.sqrt(lengths)), axis.dot(l, new.at));
-        packet.set_number(l, Number::Round, l.select(is_normal, zero, l.splat(TILTED)));
-        let tilted = tilted(l, axis, (l.splat(TILT[0]), new.at));
-        turn(l, packet, new.at, V3::select(l, is_normal, tilted, new.at));
         next.push(l, packet, used & !beyond);
     }
 
@@ -172,12 +157,55 @@ impl CoreSearch<'_> {
         let taken = next.take(l, packet);
         let used = (1u32 << taken) - 1;
         let mut at = Place { frames: self.frames, support_scratch };
-        let d = packet.vector(l, Vector::D);
-        let new = support(l, &mut at, packet, (d, taken));
-        let axis = d.neg(l);
-        let beyond = look_along(l, packet, axis, new.at) & used;
+        let step = Step::of(l, &mut at, packet, taken);
+        let beyond = beyond_by(l, step.apart(l), self.margin) & used;
         put_apart(found, packet, beyond);
+        let done = step.done & used & !beyond;
+        put_nearest(found, packet, done);
+        step.keep(l, packet);
+        next.push(l, packet, used & !(beyond | done));
+    }
+}
 
+/// The first support, in a direction. Whether the pair is apart by the axis against it.
+#[inline(always)]
+pub(super) fn begin<L: Lanes>(
+    l: L,
+    at: &mut Place<'_>,
+    (packet, used): (&mut PairPacket, usize),
+    d: V3<L>,
+) -> Certificate<L> {
+    packet.set_number(l, Number::Lower, l.splat(0.0));
+    let new = support(l, at, packet, (d, used));
+    let axis = d.neg(l);
+    let apart = look_along(l, packet, axis, new.at);
+    let (zero, one) = (l.splat(0.0), [new; 3]);
+    keep(l, packet, one, [zero; 2]);
+    let lengths = l.mul(axis.dot(l, axis), new.at.dot(l, new.at));
+    let is_normal = l.lt(l.mul(l.splat(NORMAL), l.sqrt(lengths)), axis.dot(l, new.at));
+    packet.set_number(l, Number::Round, l.select(is_normal, zero, l.splat(TILTED)));
+    let tilted = tilted(l, axis, (l.splat(TILT[0]), new.at));
+    turn(l, packet, new.at, V3::select(l, is_normal, tilted, new.at));
+    apart
+}
+
+/// What one more support shows, towards the origin.
+pub(super) struct Step<L: Lanes> {
+    apart: Certificate<L>,
+    new: Vertex<L>,
+    nearest: Nearest<L>,
+    axis: V3<L>,
+    /// The lanes whose nearest point was as near as it gets, or as near as supports in reason make it.
+    pub(super) done: u32,
+}
+
+impl<L: Lanes> Step<L> {
+    #[inline(always)]
+    pub(super) fn of(l: L, at: &mut Place<'_>, packet: &mut PairPacket, used: usize) -> Self {
+        let d = packet.vector(l, Vector::D);
+        let new = support(l, at, packet, (d, used));
+        let axis = d.neg(l);
+        let apart = look_along(l, packet, axis, new.at);
         let last = [
             Vertex { at: packet.vector(l, Vector::P0), corner: packet.corner(l, Corner::C0) },
             Vertex { at: packet.vector(l, Vector::P1), corner: packet.corner(l, Corner::C1) },
@@ -193,20 +221,39 @@ impl CoreSearch<'_> {
         let round = packet.number(l, Number::Round);
         // Beyond a tilted direction there may be no nearer point, and yet one towards the origin.
         let towards = l.bits(l.le(l.splat(TILTED), round));
-        let done = (l.bits(close) | !l.bits(gains)) & towards & used & !beyond;
-        put_nearest(found, packet, done);
+        let spent = l.bits(l.le(l.splat(ROUNDS), round));
+        let done = (l.bits(close) | !l.bits(gains)) & towards | spent;
+        Self { apart, new, nearest, axis, done }
+    }
 
-        let is_first = l.lt(round, l.splat(1.0));
-        let round = l.add(round, l.splat(1.0));
-        packet.set_number(l, Number::Round, round);
+    /// Which lanes it shows to be apart, and by how much.
+    #[inline(always)]
+    pub(super) fn apart(&self, l: L) -> Resolved<L> {
+        Resolved::apart(l, self.apart)
+    }
+
+    /// Which lanes it shows to touch: the cores are no farther apart than the radii, or the points that the nearest lies between
+    /// hold the origin, with a sphere inside A − B.
+    #[inline(always)]
+    pub(super) fn touching(&self, l: L, packet: &PairPacket) -> Certificate<L> {
+        let near = radii_reach::<L, CertifiedBounds>(l, packet, self.nearest.squared);
+        let points = [self.new.at, self.nearest.p.at, self.nearest.q.at];
+        let c = packet.vector(l, Vector::C);
+        let held = portal_holds_origin::<L, CertifiedBounds>(l, packet, c, points);
+        Certificate { holds: l.or(near.holds, held.holds), clearance: l.splat(0.0) }
+    }
+
+    /// Keeps the nearest point, and chooses the next direction.
+    #[inline(always)]
+    pub(super) fn keep(self, l: L, packet: &mut PairPacket) {
+        let Self { new, nearest, axis, .. } = self;
+        let round = packet.number(l, Number::Round);
+        packet.set_number(l, Number::Round, l.add(round, l.splat(1.0)));
         keep(l, packet, [new, nearest.p, nearest.q], nearest.weights);
         let direction = nearest.direction(l, new);
         let tilted = tilted(l, axis, (l.splat(TILT[1]), direction));
+        let is_first = l.lt(round, l.splat(1.0));
         turn(l, packet, nearest.point, V3::select(l, is_first, tilted, direction));
-        let open = used & !(beyond | done);
-        let spent = l.bits(l.le(l.splat(ROUNDS), round)) & open;
-        put_nearest(found, packet, spent);
-        next.push(l, packet, open & !spent);
     }
 }
 
@@ -237,7 +284,7 @@ fn tilted<L: Lanes>(l: L, last: V3<L>, (much, point): (L::F, V3<L>)) -> V3<L> {
 
 /// Which lanes a stage found apart by more than the margin.
 #[inline(always)]
-fn beyond_by<L: Lanes>(l: L, stage: Resolved<L>, margin: f32) -> u32 {
+pub(super) fn beyond_by<L: Lanes>(l: L, stage: Resolved<L>, margin: f32) -> u32 {
     stage.apart & l.bits(l.lt(l.splat(margin), stage.clearance))
 }
 
@@ -262,10 +309,10 @@ fn float<L: Lanes>(l: L, number: L::U) -> L::F {
     l.sub(l.tag(base, low, number), base)
 }
 
-/// Evaluates the support against an axis: raises the lower bound of the distance, and returns the lanes that
-/// are proved to be beyond the radii and the margin.
+/// Evaluates the support against an axis: raises the lower bound of the distance, and returns whether it proves that the
+/// pair is apart.
 #[inline(always)]
-fn look_along<L: Lanes>(l: L, packet: &mut PairPacket, axis: V3<L>, w: V3<L>) -> u32 {
+fn look_along<L: Lanes>(l: L, packet: &mut PairPacket, axis: V3<L>, w: V3<L>) -> Certificate<L> {
     let norm1 = axis.norm1(l);
     let rounding = l.mul(norm1, packet.number(l, Number::Separation));
     let length = l.mul(l.sqrt(axis.dot(l, axis)), l.splat(1.0 + 8.0 * U));
@@ -273,7 +320,7 @@ fn look_along<L: Lanes>(l: L, packet: &mut PairPacket, axis: V3<L>, w: V3<L>) ->
     let before = packet.number(l, Number::Lower);
     let is_more = l.and(l.lt(before, lower), l.lt(l.splat(SHORTEST), norm1));
     packet.set_number(l, Number::Lower, l.select(is_more, lower, before));
-    l.bits(separates::<L, CertifiedBounds>(l, packet, axis, w).holds)
+    separates::<L, CertifiedBounds>(l, packet, axis, w)
 }
 
 /// Writes down the nearest point, and against which axis the next support is evaluated.
@@ -298,14 +345,14 @@ fn keep<L: Lanes>(l: L, packet: &mut PairPacket, points: [Vertex<L>; 3], weights
 }
 
 #[inline(always)]
-fn put_apart(found: &mut [Found], packet: &PairPacket, lanes: u32) {
+pub(super) fn put_apart(found: &mut [Found], packet: &PairPacket, lanes: u32) {
     for lane in LanesOf(lanes) {
         found[packet.number.0[lane] as usize] = Found::Beyond;
     }
 }
 
 #[inline(always)]
-fn put_nearest(found: &mut [Found], packet: &PairPacket, lanes: u32) {
+pub(super) fn put_nearest(found: &mut [Found], packet: &PairPacket, lanes: u32) {
     for lane in LanesOf(lanes) {
         found[packet.number.0[lane] as usize] = Found::Nearest(NearestPoints {
             corners: [Corner::C0, Corner::C1, Corner::C2].map(|c| packet.corner_of(lane, c)),

@@ -154,58 +154,34 @@ fn rounding<L: Lanes>(l: L, packet: &PairPacket) -> L::F {
     l.mul_add(size, l.splat(OBB), slack)
 }
 
-/// The face of a box along whose normal two outer boxes are farthest apart, or overlap least.
-struct Face<L: Lanes> {
-    gap: L::F,
-    normal: V3<L>,
-}
-
-impl<L: Lanes> Face<L> {
-    /// Of the first box.
-    #[inline(always)]
-    fn of(l: L, c: V3<L>, [one, other]: [&Side<L>; 2]) -> Self {
-        let [x, y, z] = other.axes;
-        let mut best = Self { gap: l.splat(f32::MIN), normal: c };
-        for i in 0..3 {
-            let axis = one.axes[i];
-            let cos = [l.abs(axis.dot(l, x)), l.abs(axis.dot(l, y)), l.abs(axis.dot(l, z))];
-            let outer = l.add(one.outer[i], dot3(l, other.outer, cos));
-            let gap = l.sub(l.abs(axis.dot(l, c)), outer);
-            let is_more = l.lt(best.gap, gap);
-            best.gap = l.select(is_more, gap, best.gap);
-            best.normal = V3::select(l, is_more, axis, best.normal);
-        }
-        best
-    }
-
-    /// The normal, towards c; c itself where it is neither towards that nor away from it.
-    #[inline(always)]
-    fn towards(&self, l: L, c: V3<L>) -> V3<L> {
-        let (zero, along) = (l.splat(0.0), self.normal.dot(l, c));
-        let back = V3::select(l, l.lt(along, zero), self.normal.neg(l), c);
-        V3::select(l, l.lt(zero, along), self.normal, back)
-    }
-}
-
-/// Rejects if one of the six faces of two boxes separates the outer ones: less than [`obbs`], at a fifth of the cost. Also
-/// returns, from b to a, the normal of the face along which they are farthest apart, or overlap least: a hint.
+/// Rejects if one of the six faces of two boxes separates the outer ones: less than [`obbs`], at a fifth of the cost.
 #[inline(always)]
 pub(super) fn faces<L: Lanes>(
     l: L,
     frames: FramePair<'_>,
     boxes: &mut ObbPairs,
     (packet, used): (&PairPacket, usize),
-) -> (Resolved<L>, V3<L>) {
+) -> Resolved<L> {
     let [a, b] = Side::both(l, frames, boxes, (packet, used));
     let c = packet.vector(l, Vector::C);
-    let (of_a, of_b) = (Face::of(l, c, [&a, &b]), Face::of(l, c, [&b, &a]));
-    let clearance = l.sub(l.max(of_a.gap, of_b.gap), rounding(l, packet));
+    let gap = l.max(gap_of_faces(l, c, [&a, &b]), gap_of_faces(l, c, [&b, &a]));
+    let clearance = l.sub(gap, rounding(l, packet));
     let apart = Certificate::new(l, l.lt(l.splat(0.0), clearance), clearance, l.splat(1.0));
-    let (one, two) = (of_a.towards(l, c), of_b.towards(l, c));
-    // Of two as good the sum, which is the same whichever is which.
-    let best = V3::select(l, l.lt(of_a.gap, of_b.gap), two, one.add(l, two));
-    let best = V3::select(l, l.lt(of_b.gap, of_a.gap), one, best);
-    (Resolved::apart(l, apart), best)
+    Resolved::apart(l, apart)
+}
+
+/// How far two outer boxes are apart at most along the normals of the first one's faces; below 0 they overlap along all.
+#[inline(always)]
+fn gap_of_faces<L: Lanes>(l: L, c: V3<L>, [one, other]: [&Side<L>; 2]) -> L::F {
+    let [x, y, z] = other.axes;
+    let mut most = l.splat(f32::MIN);
+    for i in 0..3 {
+        let axis = one.axes[i];
+        let cos = [l.abs(axis.dot(l, x)), l.abs(axis.dot(l, y)), l.abs(axis.dot(l, z))];
+        let outer = l.add(one.outer[i], dot3(l, other.outer, cos));
+        most = l.max(most, l.sub(l.abs(axis.dot(l, c)), outer));
+    }
+    most
 }
 
 /// How far two edges of each box reach along a cross product, given the sines that they count with.

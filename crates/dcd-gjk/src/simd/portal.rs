@@ -123,7 +123,7 @@ pub(super) fn round<L: Lanes, T: ErrorBounds>(
 
 /// Whether c + Σ τ_k·p_k = 0 has a solution with every τ_k ≥ 0, by the sphere's certificate.
 #[inline(always)]
-fn portal_holds_origin<L: Lanes, T: ErrorBounds>(
+pub(super) fn portal_holds_origin<L: Lanes, T: ErrorBounds>(
     l: L,
     packet: &PairPacket,
     c: V3<L>,

@@ -3,7 +3,7 @@
 //! distance between complex objects in three-dimensional space", 1988).
 
 use super::bounds::{NEAREST, RADIUS, U};
-use super::certificate::{ErrorBounds, separates, sphere_holds_origin};
+use super::certificate::{Certificate, ErrorBounds, separates, sphere_holds_origin};
 use super::first_stages::{Place, Resolved};
 use super::packet::{Number, PairPacket, Vector};
 use super::portal::ROUNDS;
@@ -38,11 +38,7 @@ pub(super) fn round<L: Lanes, T: ErrorBounds>(
     let [p0, p1, p2] = p;
     let p = [Vertex::unnumbered(l, p0), Vertex::unnumbered(l, p1), Vertex::unnumbered(l, p2)];
     let nearest = Nearest::of(l, Vertex::unnumbered(l, w), p);
-    let slack = packet.number(l, Number::Slack);
-    let rounding = l.mul_add(packet.number(l, Number::Unit), l.splat(NEAREST), l.add(slack, slack));
-    let radius = l.mul(packet.number(l, Number::Radius), l.splat(1.0 - RADIUS * U));
-    let within = l.sub(radius, T::rounding(l, rounding));
-    let touching = sphere_holds_origin(l, nearest.squared, within, l.splat(1.0));
+    let touching = radii_reach::<L, T>(l, packet, nearest.squared);
 
     let round = l.add(packet.number(l, Number::Round), l.splat(1.0));
     let gains = l.lt(nearest.squared, d.dot(l, d));
@@ -54,6 +50,20 @@ pub(super) fn round<L: Lanes, T: ErrorBounds>(
     packet.set_vector(l, Vector::D, nearest.point.neg(l));
     let resolved = Resolved::by(l, apart, touching, u32::MAX);
     (resolved, l.bits(stuck) & !resolved.all())
+}
+
+/// Whether the radii reach as far as the nearest point of two cores, by the square of its distance.
+#[inline(always)]
+pub(super) fn radii_reach<L: Lanes, T: ErrorBounds>(
+    l: L,
+    packet: &PairPacket,
+    squared: L::F,
+) -> Certificate<L> {
+    let slack = packet.number(l, Number::Slack);
+    let rounding = l.mul_add(packet.number(l, Number::Unit), l.splat(NEAREST), l.add(slack, slack));
+    let radius = l.mul(packet.number(l, Number::Radius), l.splat(1.0 - RADIUS * U));
+    let within = l.sub(radius, T::rounding(l, rounding));
+    sphere_holds_origin(l, squared, within, l.splat(1.0))
 }
 
 /// A point of A − B, and which vertices of a and b it is the difference of: see [`super::packet::Corner`].

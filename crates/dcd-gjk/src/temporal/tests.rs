@@ -131,7 +131,7 @@ proptest! {
     }
 
     #[test]
-    fn a_gap_is_the_clearance_of_the_proof_that_two_are_apart(
+    fn a_gap_is_at_most_the_distance_of_two_that_are_apart(
         objects in prop::collection::vec((shape(), pose(1.2)), 2..12),
     ) {
         let (shapes, poses) = objects.into_iter().unzip();
@@ -140,8 +140,10 @@ proptest! {
             let gaps = judged::<GapBounds>(&scene, path, &[], 0.0);
             for (found, (pair, touching, gap)) in clearances(&scene, path, &[], 0.0).iter().zip(gaps) {
                 prop_assert_eq!((found.0, found.1), (pair, touching), "{:?}", path);
-                let is_that = if touching { gap < 0.0 } else { gap.max(0.0) == found.2.max(0.0) };
-                prop_assert!(is_that, "{pair:?}, {path:?}: {gap} and {}", found.2);
+                let is_gap = gap < 0.0 || !touching && f64::from(gap) <= reach(&scene, pair);
+                prop_assert!(is_gap, "{pair:?}, {path:?}: {gap}");
+                // Either kind of lanes leaves open what is within rounding of touching alone.
+                prop_assert!(touching || found.2 < 1e-3 || gap > 0.0, "{pair:?}, {path:?}: {gap}");
             }
         }
     }

@@ -31,14 +31,19 @@ pub(super) struct Sorted {
 /// The pairs of which the nearest vertices are looked for.
 #[derive(Debug, Default)]
 pub(super) struct Searched {
-    pub(super) nearest: nearest_points::Scratch,
-    /// Which of them are not proved to be beyond the margin.
+    /// For each pair of the slice what was found.
+    pub(super) found: Vec<Found>,
+    /// The numbers in the slice of those that are not proved to be beyond the margin.
     pub(super) near: Vec<u32>,
-    /// The pairs of these.
+    /// These pairs.
     pub(super) measured: Vec<Pair>,
-    /// Their numbers in the slice.
+    /// The numbers of all of them.
     numbers: Vec<u32>,
+    /// The numbers of those of which the judgement found nothing.
+    rest: Vec<u32>,
+    /// These pairs.
     open: Vec<Pair>,
+    nearest: nearest_points::Scratch,
 }
 
 /// How a pair is measured.
@@ -80,26 +85,30 @@ impl Kind {
 }
 
 impl Searched {
-    /// Looks for the nearest vertices of the pairs of these numbers.
+    /// Looks for the nearest vertices of those pairs of which none are known.
     fn find(&mut self, path: Path, frames: FramePair<'_>, (pairs, margin): (&[Pair], f64)) {
-        let Self { numbers, open, nearest, near, measured } = self;
-        open.clear();
-        open.extend(numbers.iter().map(|&number| pairs[number as usize]));
-        match frames.have_vertices() {
-            true => nearest_points::find(path, frames, (open, margin), nearest),
-            // Spheres and cuboids have a formula.
-            false => nearest.found.clear(),
+        let Self { found, near, measured, numbers, rest, open, nearest } = self;
+        let is_open = |number: &u32| matches!(found[*number as usize], Found::Unknown);
+        choose(numbers.iter().map(|number| (*number, is_open(number))), rest);
+        if frames.have_vertices() && !rest.is_empty() {
+            // Without vertices they are spheres and cuboids, which have a formula.
+            open.clear();
+            open.extend(rest.iter().map(|&number| pairs[number as usize]));
+            nearest_points::find(path, frames, (open, margin), nearest);
+            for (&number, &of_open) in rest.iter().zip(&nearest.found) {
+                found[number as usize] = of_open;
+            }
         }
-        let is_near = nearest.found.iter().map(|found| *found != Found::Beyond);
-        choose((0..).zip(is_near), near);
+        let is_near = |number: &u32| !matches!(found[*number as usize], Found::Beyond);
+        choose(numbers.iter().map(|number| (*number, is_near(number))), near);
         measured.clear();
-        measured.extend(near.iter().map(|&number| open[number as usize]));
+        measured.extend(near.iter().map(|&number| pairs[number as usize]));
     }
 
     /// The vertices that the nearest points of a pair lie between, by its number among those measured.
     #[inline(always)]
     pub(super) fn corners(&self, number: usize) -> Option<[[u32; 2]; 3]> {
-        match self.nearest.found.get(*self.near.get(number)? as usize)? {
+        match self.found.get(*self.near.get(number)? as usize)? {
             Found::Nearest(points) => Some(points.corners),
             Found::Unknown | Found::Beyond => None,
         }
@@ -112,7 +121,7 @@ impl Sorted {
         &mut self,
         path: Path,
         frames: FramePair<'_>,
-        (judged, pairs, margin, accuracy): (&Yes, &[Pair], f64, Accuracy),
+        (judged, pairs, margin, accuracy): (&mut Yes, &[Pair], f64, Accuracy),
     ) {
         let Self { kinds, open, read, formulas, searched, cuboids, of_cuboids } = self;
         // Rounded up, so that no pair within the margin is left out.
@@ -133,9 +142,10 @@ impl Sorted {
         choose(pairs_of(Kind::Cuboids), cuboids);
         of_cuboids::find(path, frames, (cuboids, margin), of_cuboids);
         choose(of_kind(Kind::Searched), &mut searched.numbers);
+        judged.lend_found(&mut searched.found);
         searched.find(path, frames, (pairs, margin));
-        for (&number, found) in searched.numbers.iter().zip(&searched.nearest.found) {
-            let is_beyond = *found == Found::Beyond;
+        for &number in &searched.numbers {
+            let is_beyond = matches!(searched.found[number as usize], Found::Beyond);
             kinds[number as usize] = if is_beyond { Kind::Beyond } else { Kind::Searched };
         }
         choose((0..).zip(kinds.iter().map(|&kind| kind != Kind::Beyond)), read);
