@@ -95,6 +95,17 @@ pub fn overlap_on(
     search(path, [a, b], scratch, (Goal::Any, None, None))
 }
 
+/// Whether two convex parts touch, by index: what [`overlap`] makes of them, undecided where it is.
+pub(crate) fn overlap_of_parts(
+    [a, b]: [PosedShape<'_>; 2],
+    [part_a, part_b]: [u32; 2],
+) -> (Verdict<()>, Method) {
+    let ([first, second], swapped) = in_order(a, b);
+    let parts = if swapped { [part_b, part_a] } else { [part_a, part_b] };
+    let found = pair::resolve([&first, &second], parts);
+    (found.verdict, found.method)
+}
+
 /// Appends every touching pair of parts in ascending order: a part of `a` and one of `b`, by index;
 /// a convex shape is its own part 0. The verdict is that of [`overlap`], but undecided if any pair
 /// of parts is, since the list then may lack it.

@@ -10,6 +10,12 @@ use crate::{Difference, Method, PosedShape, PosedSupport, Reason, Verdict, exact
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, SupportMap};
 
+/// By how much more than rounding an axis of the lanes has to part two shapes that have no exact method. Unit: the pair's
+/// size. Nearer the search alone decides, or leaves the pair undecided: an axis of f32 is another on another path. Smaller
+/// than the gaps that the search surely proves, 1e-9 (docs/numerics/proofs.md, "cylinders and cones"): pairs that are
+/// undecided on some paths. Larger: more searches.
+const CLEARLY: f64 = 2e-9;
+
 /// Whether two polytopes, rounded or not, touch, and which method proved it: exact for the vertices
 /// R·v + t and the radii as they are, touching included, never undecided.
 ///
@@ -33,7 +39,8 @@ pub(crate) fn overlap_after(
     if let Some((touch, method)) = boxes::touch(a, b) {
         return (verdict_of(touch), method);
     }
-    if axes.iter().any(|&axis| are_apart_along(axis, a, b)) {
+    // What it leaves is decided exactly.
+    if axes.iter().any(|&axis| are_apart_along(axis, a, b, 0.0)) {
         return (Verdict::Apart, Method::F64);
     }
     let (a, b) = if order::are_swapped(a, b) { (b, a) } else { (a, b) };
@@ -77,23 +84,50 @@ pub(crate) fn overlap_with_after(
             PosedSupport::polytope(in_b, b.pose),
         );
     }
-    let has_support = |shape: &Shape| {
-        matches!(shape, Shape::Polytope(_) | Shape::Curved(_) | Shape::Ellipsoid(_))
-    };
-    if has_support(a.shape) && has_support(b.shape) {
-        let (a, b) = (PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose));
-        if axes.iter().any(|&axis| are_apart_along(axis, a, b)) {
-            return (Verdict::Apart, Method::F64);
-        }
+    if are_shapes_apart_along(axes, a, b) {
+        return (Verdict::Apart, Method::F64);
     }
     overlap_with(a, b, scratch)
 }
 
-/// Whether f64 proves two shapes apart by one axis, world, from b to a, of any length.
+/// The same for a part of each of two shapes, by index, as it and as a shape of its own.
+pub(crate) fn overlap_of_parts_after(
+    axes: &[DVec3],
+    whole: [PosedShape<'_>; 2],
+    [(part_a, a), (part_b, b)]: [(u32, PosedShape<'_>); 2],
+) -> (Verdict<()>, Method) {
+    if let (Some(in_a), Some(in_b)) = (a.shape.as_polytope(), b.shape.as_polytope()) {
+        return overlap_after(
+            axes,
+            PosedSupport::polytope(in_a, a.pose),
+            PosedSupport::polytope(in_b, b.pose),
+        );
+    }
+    if are_shapes_apart_along(axes, a, b) {
+        return (Verdict::Apart, Method::F64);
+    }
+    // Without an exact method it matters by which bounds: those of the shapes that they are parts of.
+    mesh::overlap_of_parts(whole, [part_a, part_b])
+}
+
+/// Whether f64 proves two shapes that have a support of their own apart by one of these axes.
+fn are_shapes_apart_along(axes: &[DVec3], a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
+    let has_support = |shape: &Shape| {
+        matches!(shape, Shape::Polytope(_) | Shape::Curved(_) | Shape::Ellipsoid(_))
+    };
+    has_support(a.shape) && has_support(b.shape) && {
+        let (a, b) = (PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose));
+        axes.iter().any(|&axis| are_apart_along(axis, a, b, CLEARLY))
+    }
+}
+
+/// Whether f64 proves two shapes apart by one axis, world, from b to a, of any length, and by so much of their size more than
+/// it has to.
 fn are_apart_along<S: SupportMap<f64>>(
     axis: DVec3,
     a: PosedSupport<'_, S>,
     b: PosedSupport<'_, S>,
+    margin: f64,
 ) -> bool {
     let direction = crate::gjk::unit::<f64>(axis.to_array());
     let (Some(direction), Some(difference)) = (direction, Difference::<f64, _, _>::new(a, b))
@@ -101,7 +135,7 @@ fn are_apart_along<S: SupportMap<f64>>(
         return false;
     };
     let (_, separation) = difference.lowest(direction);
-    Bounds::of(&difference).proves_apart(direction, separation)
+    Bounds::of(&difference).proves_apart(direction, separation - margin)
 }
 
 /// The last method alone: slow, and never in doubt. What every other answer is judged by.

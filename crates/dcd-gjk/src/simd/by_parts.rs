@@ -88,9 +88,10 @@ impl Slice<'_> {
             }
             let number = scratch.queue.questions[doubt.question as usize].number;
             let Pair { i, j } = self.pairs[number as usize];
-            let (a, b) = (placed(self.a, i, doubt.parts.i), placed(self.b, j, doubt.parts.j));
+            let whole = [PosedShape::of(self.a.scene, i), PosedShape::of(self.b.scene, j)];
+            let parts = [part(self.a, i, doubt.parts.i), part(self.b, j, doubt.parts.j)];
             let axes = doubt.axes.map(|axis| axis.as_dvec3());
-            let (verdict, method) = certified::overlap_with_after(&axes, a, b, &mut lanes.parts);
+            let (verdict, method) = certified::overlap_of_parts_after(&axes, whole, parts);
             known.method = known.method.max(method);
             match verdict {
                 Verdict::Apart => {}
@@ -121,19 +122,20 @@ impl Slice<'_> {
     }
 }
 
-/// An object's part, by its record; or the object, which is its own.
-fn placed(side: Prepared<'_, SimdFrame>, object: u32, record: u32) -> PosedShape<'_> {
+/// An object's part by its record, its index and the part itself; or the object, which is its own.
+fn part(side: Prepared<'_, SimdFrame>, object: u32, record: u32) -> (u32, PosedShape<'_>) {
     let whole = PosedShape::of(side.scene, object);
     let part = side.frame.place_of(object, record).and_then(|place| {
         let cores = side.frame.cores();
         let first = cores.cores()[side.scene.shape_of()[object as usize] as usize].first_part;
-        let number = cores.parts()[(first + place) as usize].part as usize;
+        let number = cores.parts()[(first + place) as usize].part;
         match whole.shape {
-            Shape::Compound(compound) => Some(compound.parts()[number].placed()),
+            Shape::Compound(compound) => Some((number, compound.parts()[number as usize].placed())),
             _ => None,
         }
     });
-    PosedShape { shape: part.unwrap_or(whole.shape), ..whole }
+    let (number, shape) = part.unwrap_or((0, whole.shape));
+    (number, PosedShape { shape, ..whole })
 }
 
 impl Scratch {

@@ -16,6 +16,7 @@ mod sphere_scenes;
 mod surfaces;
 mod thin_impacts;
 mod thin_rays;
+mod undecided;
 mod upright;
 mod within;
 
