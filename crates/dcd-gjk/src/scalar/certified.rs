@@ -77,17 +77,7 @@ pub(crate) fn overlap_with_after(
     b: PosedShape<'_>,
     scratch: &mut mesh::Scratch,
 ) -> (Verdict<()>, Method) {
-    if let (Some(in_a), Some(in_b)) = (a.shape.as_polytope(), b.shape.as_polytope()) {
-        return overlap_after(
-            axes,
-            PosedSupport::polytope(in_a, a.pose),
-            PosedSupport::polytope(in_b, b.pose),
-        );
-    }
-    if are_shapes_apart_along(axes, a, b) {
-        return (Verdict::Apart, Method::F64);
-    }
-    overlap_with(a, b, scratch)
+    by_axes_or(axes, a, b, || overlap_with(a, b, scratch))
 }
 
 /// The same for a part of each of two shapes, by index, as it and as a shape of its own.
@@ -95,6 +85,18 @@ pub(crate) fn overlap_of_parts_after(
     axes: &[DVec3],
     whole: [PosedShape<'_>; 2],
     [(part_a, a), (part_b, b)]: [(u32, PosedShape<'_>); 2],
+) -> (Verdict<()>, Method) {
+    // Without an exact method it matters by which bounds: those of the shapes that they are parts of.
+    by_axes_or(axes, a, b, || mesh::overlap_of_parts(whole, [part_a, part_b]))
+}
+
+/// Exact for polytopes; for others what the axes prove, or else that search.
+#[inline(always)]
+fn by_axes_or(
+    axes: &[DVec3],
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    search: impl FnOnce() -> (Verdict<()>, Method),
 ) -> (Verdict<()>, Method) {
     if let (Some(in_a), Some(in_b)) = (a.shape.as_polytope(), b.shape.as_polytope()) {
         return overlap_after(
@@ -106,8 +108,7 @@ pub(crate) fn overlap_of_parts_after(
     if are_shapes_apart_along(axes, a, b) {
         return (Verdict::Apart, Method::F64);
     }
-    // Without an exact method it matters by which bounds: those of the shapes that they are parts of.
-    mesh::overlap_of_parts(whole, [part_a, part_b])
+    search()
 }
 
 /// Whether f64 proves two shapes that have a support of their own apart by one of these axes.
