@@ -322,7 +322,7 @@ impl SimdFrame {
     }
 
     /// How many pairs take some tens of microseconds at least to decide.
-    pub(super) fn fewest_pairs(&self) -> usize {
+    pub(crate) fn fewest_pairs(&self) -> usize {
         if self.has_parts { FEWEST_OF_PARTS } else { FEWEST }
     }
 

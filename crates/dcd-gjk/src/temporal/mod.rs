@@ -181,6 +181,10 @@ impl NarrowPhase for Coherent {
         Some(0.0)
     }
 
+    fn fewest_pairs(&self, frame: &TemporalFrame) -> usize {
+        frame.lanes.fewest_pairs()
+    }
+
     fn constant_answer(&self) -> Option<()> {
         Some(())
     }

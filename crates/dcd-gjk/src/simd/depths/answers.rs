@@ -12,9 +12,16 @@ const MOST: usize = 8;
 
 /// Where the answers of touching pairs are written.
 pub(super) struct Answers<'a, S: MeasureDepth> {
-    pub(super) path: Path,
     /// The pairs.
     pub(super) objects: ScenePairs<'a>,
+    pub(super) to: Contacts<'a, S>,
+    /// Those that are answered next.
+    pub(super) waiting: ArrayVec<FoundPair<'a>, MOST>,
+}
+
+/// The contacts, and who writes their answers.
+pub(super) struct Contacts<'a, S: MeasureDepth> {
+    pub(super) path: Path,
     pub(super) solver: &'a S,
     pub(super) scratch: &'a mut S::Scratch,
     /// One for each pair from the `first` on, whose answers are to be written.
@@ -22,8 +29,6 @@ pub(super) struct Answers<'a, S: MeasureDepth> {
     pub(super) first: usize,
     /// The numbers of those that stay empty.
     pub(super) left: &'a mut Vec<u32>,
-    /// Those that are answered next.
-    pub(super) waiting: ArrayVec<FoundPair<'a>, MOST>,
 }
 
 /// Where the answer of two polytopes is written. What searches them knows no more of a question, so that it is compiled
@@ -40,8 +45,9 @@ impl<S: MeasureDepth> Answers<'_, S> {
     /// Writes the answer of two spheres of that depth.
     #[inline(always)]
     pub(super) fn write_spheres(&mut self, number: u32, depth: &Depth) {
-        self.contacts.write(self.first + number as usize, |answer| {
-            self.solver.measure_spheres(depth, answer);
+        let Contacts { solver, contacts, first, .. } = &mut self.to;
+        contacts.write(*first + number as usize, |answer| {
+            solver.measure_spheres(depth, answer);
             true
         });
     }
@@ -54,23 +60,25 @@ impl<S: MeasureDepth> Answers<'_, S> {
         patch: CuboidPatch<'_>,
         sides: [PosedShape<'_>; 2],
     ) -> bool {
-        let place = (&mut *self.contacts, self.first + number as usize);
-        self.solver.measure_cuboids(patch, sides, place)
+        let Contacts { solver, contacts, first, .. } = &mut self.to;
+        solver.measure_cuboids(patch, sides, (contacts, *first + number as usize))
     }
 
     /// Writes the answers that wait. Needed behind the last pair.
     pub(super) fn end(&mut self) {
-        let waiting = std::mem::take(&mut self.waiting);
         // A solver may make memory for what it is asked.
-        if !waiting.is_empty() {
-            self.write_all(&waiting);
+        if !self.waiting.is_empty() {
+            self.to.write_all(&self.waiting);
+            self.waiting = ArrayVec::new();
         }
     }
+}
 
+impl<S: MeasureDepth> Contacts<'_, S> {
     /// Writes the answers of those pairs.
     #[inline(always)]
     fn write_all(&mut self, pairs: &[FoundPair<'_>]) {
-        let Self { path, solver, scratch, contacts, first, left, .. } = self;
+        let Self { path, solver, scratch, contacts, first, left } = self;
         let unwritten = solver.measure_polytopes(*path, pairs, scratch, contacts);
         for (k, pair) in pairs.iter().enumerate() {
             if unwritten >> k & 1 == 0 {
@@ -87,12 +95,12 @@ impl<S: MeasureDepth> Answers<'_, S> {
 
 impl<S: MeasureDepth> WriteDepth for Answers<'_, S> {
     fn write(&mut self, number: usize, found: Option<&FoundDepth>) {
-        let Some(&found) = found else { return self.left.push(number as u32) };
+        let Some(&found) = found else { return self.to.left.push(number as u32) };
         let sides = self.objects.posed(self.objects.pairs[number]);
-        let pair = FoundPair { found, sides, number: self.first + number };
+        let pair = FoundPair { found, sides, number: self.to.first + number };
         // One alone does not wait: it would be written twice and read in between.
         if S::TOGETHER <= 1 {
-            return self.write_all(&[pair]);
+            return self.to.write_all(&[pair]);
         }
         self.waiting.push(pair);
         if self.waiting.len() >= S::TOGETHER.min(MOST) {
@@ -101,6 +109,6 @@ impl<S: MeasureDepth> WriteDepth for Answers<'_, S> {
     }
 
     fn prefetch(&self, number: usize) {
-        self.contacts.prefetch(self.first + number);
+        self.to.contacts.prefetch(self.to.first + number);
     }
 }

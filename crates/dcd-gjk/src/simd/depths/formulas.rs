@@ -41,13 +41,13 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
             if let Some(spheres) = frames.spheres(pair) {
                 match closed::depth_of_spheres(spheres, sharp) {
                     Some(depth) => answers.write_spheres(number, &depth),
-                    None => answers.left.push(number),
+                    None => answers.to.left.push(number),
                 }
             } else if are_cuboids(frames, pair) {
                 cuboids.push(number);
                 of_cuboids.pairs.push(pair);
             } else if !may_be_searched(frames, pair, accuracy) {
-                answers.left.push(number);
+                answers.to.left.push(number);
             } else if are_cores_apart(frames, pair) {
                 apart.push(number);
             } else {

@@ -28,7 +28,7 @@ use crate::{
     Accuracy, ContactList, ContactSink, Depths, NarrowPhase, PosedShape, PosedSupport, Prepared,
     Sides, Verdict, order,
 };
-use answers::{Answers, WriteDepth};
+use answers::{Answers, Contacts, WriteDepth};
 use apart::{ApartCores, Thought};
 use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, List, Pair, Scene};
@@ -219,16 +219,15 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         left.numbers.clear();
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: touching };
         let (contacts, numbers) = (&mut *sink.contacts, &mut left.numbers);
-        let answers = Answers {
+        let to = Contacts {
             path: self.path,
-            objects,
             solver: &self.solver,
             scratch: solver,
             contacts,
             first,
             left: numbers,
-            waiting: ArrayVec::new(),
         };
+        let answers = Answers { objects, to, waiting: ArrayVec::new() };
         self.answer(objects, of_touching, answers);
         left.sort(frames, touching);
         let mut lists = yes.touching_parts.lists().peekable();
