@@ -32,7 +32,10 @@ pub(super) fn supports<L: Lanes>(
     used: usize,
 ) -> (V3<L>, L::U) {
     let mut d = [Row::default(); 3];
-    directions.store(l, &mut d);
+    // Without a zero below 0, by which alone those of (a, b) and (b, a) may differ: vertices at right angles to one, as of
+    // a segment or a plate, are then as far in both orders, and the same is chosen.
+    let zero = l.splat(0.0);
+    V3(zero, zero, zero).add(l, directions).store(l, &mut d);
     l.call(Supports {
         frame,
         support_scratch: &mut *support_scratch,
