@@ -1,5 +1,6 @@
 //! Queries beyond yes or no.
 
+mod both_orders;
 mod crowds;
 mod degenerate;
 mod depths;

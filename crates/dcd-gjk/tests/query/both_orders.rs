@@ -1,0 +1,105 @@
+//! (a, b) and (b, a) at places where much is equally near or deep: rounded shapes along the world's axes on a lattice.
+
+use super::scenes::Draw;
+use super::within::found;
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::{Object, Pair, Pose, Scene, Shape};
+use dcd_gjk::{Accuracy, Contact, Depths, Manifolds, SimdDepths, SimdDistances};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+const OBJECTS: u32 = 60;
+
+/// A prism of that many sides along z.
+fn prism(sides: u32, height: f64) -> Shape {
+    let corner = |k: u32| DVec3::new(0.5, 0.0, 0.0).rotate_z(TAU * f64::from(k) / f64::from(sides));
+    let corners = (0..sides).flat_map(|k| [-height, height].map(|z| corner(k) + DVec3::Z * z));
+    Shape::hull(corners.collect()).unwrap()
+}
+
+/// The scene, and the same with its objects in the reverse order, so that every pair is the other way round.
+fn scenes(draw: &mut Draw) -> [Scene; 2] {
+    let mut below = |count: u32| ((draw.unit() + 1.0) * 0.5 * f64::from(count)) as u32;
+    let mut shapes = Vec::new();
+    // No two alike, but for what one is turned to.
+    for height in [0.125, 0.25, 0.375, 0.5, 0.75, 1.0] {
+        shapes.push(prism(3 + below(28), height));
+        shapes.push(prism(3 + below(28), height).swept(0.1).unwrap());
+        shapes.push(Shape::capsule(height, 0.25).unwrap());
+        shapes.push(Shape::cuboid(DVec3::new(0.5, 0.25, height)).unwrap());
+    }
+    let objects: Vec<_> = (0..OBJECTS)
+        .map(|k| {
+            let place = DVec3::new(below(5).into(), below(5).into(), below(5).into()) * 0.5;
+            let turn = DQuat::from_rotation_z(FRAC_PI_2 * f64::from(below(4)));
+            Object::new(k % shapes.len() as u32, Pose::new(turn, place).unwrap())
+        })
+        .collect();
+    let reversed: Vec<_> = objects.iter().rev().copied().collect();
+    [objects, reversed].map(|objects| Scene::new(shapes.clone(), objects).unwrap())
+}
+
+/// Every contact of the scene beside that of the other, except for equal objects at one place: there both orders are one.
+fn beside<'a, A>(
+    scene: &'a Scene,
+    [ones, others]: &'a [Vec<Contact<A>>; 2],
+) -> impl Iterator<Item = (&'a A, &'a A)> {
+    assert_eq!(ones.len(), others.len());
+    let differ = |pair: Pair| {
+        let [i, j] = [pair.i, pair.j].map(|k| k as usize);
+        scene.shape_of()[i] != scene.shape_of()[j] || scene.poses()[i] != scene.poses()[j]
+    };
+    ones.iter().filter(move |one| differ(one.pair)).map(|one| {
+        let pair = Pair::new(OBJECTS - 1 - one.pair.j, OBJECTS - 1 - one.pair.i);
+        let other = others.iter().find(|other| other.pair == pair).unwrap();
+        (&one.answer, &other.answer)
+    })
+}
+
+#[test]
+fn depths_manifolds_and_distances_on_a_lattice_are_mirrored() {
+    let mut draw = Draw::seeded(8);
+    let pairs: Vec<_> =
+        (0..OBJECTS).flat_map(|i| (i + 1..OBJECTS).map(move |j| Pair::new(i, j))).collect();
+    let mut counts = [0; 3];
+    for round in 0..24 {
+        let scenes = scenes(&mut draw);
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            let said = format!("round {round}, {accuracy:?}");
+            let depths = SimdDepths::new(Depths, accuracy);
+            let both = scenes.each_ref().map(|scene| found(&depths, scene, &pairs).0);
+            for (one, other) in beside(&scenes[0], &both) {
+                assert_eq!(
+                    (one.depth, one.error_bound),
+                    (other.depth, other.error_bound),
+                    "{said}"
+                );
+                assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a), "{said}");
+                assert_eq!(one.normal, -other.normal, "{said}");
+                counts[0] += 1;
+            }
+            let manifolds = SimdDepths::new(Manifolds::default(), accuracy);
+            let both = scenes.each_ref().map(|scene| found(&manifolds, scene, &pairs).0);
+            for (one, other) in beside(&scenes[0], &both) {
+                assert_eq!(one.len(), other.len(), "{said}");
+                for (one, other) in one.iter().zip(other.iter()) {
+                    assert_eq!(one.normal, -other.normal, "{said}");
+                    assert_eq!(one.points().len(), other.points().len(), "{said}");
+                    for (one, other) in one.points().iter().zip(other.points()) {
+                        assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a));
+                    }
+                    counts[1] += 1;
+                }
+            }
+            let distances = SimdDistances::within(0.5, accuracy).unwrap();
+            let both = scenes.each_ref().map(|scene| found(&distances, scene, &pairs).0);
+            for (one, other) in beside(&scenes[0], &both) {
+                let (Some(one), Some(other)) = (one, other) else { continue };
+                assert_eq!((one.distance, one.error_bound), (other.distance, other.error_bound));
+                assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a), "{said}");
+                assert_eq!(one.normal, -other.normal, "{said}");
+                counts[2] += 1;
+            }
+        }
+    }
+    assert!(counts.iter().all(|&count| count > 10_000), "{counts:?}");
+}
