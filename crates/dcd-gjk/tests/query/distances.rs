@@ -219,7 +219,8 @@ fn both_orders_choose_alike_among_vertices_at_right_angles_to_a_direction() {
         .unwrap(),
     ];
     let object = |k: u32| {
-        let turn = if k % 2 == 0 { DQuat::IDENTITY } else { DQuat::from_rotation_z(draw.unit()) };
+        let turn =
+            if k.is_multiple_of(2) { DQuat::IDENTITY } else { DQuat::from_rotation_z(draw.unit()) };
         let place = DVec3::new(draw.unit() * 2.0, draw.unit() * 2.0, f64::from(k / 4 % 3) * 0.25);
         dcd_geom::Object::new(k % 3, Pose::new(turn, place).unwrap())
     };

@@ -74,14 +74,19 @@ fn answers_of_any_batch_at_any_number_of_threads_are_those_of_every_pair_alone()
         let checker = StateChecker::new(cell.clone()).unwrap();
         let states = states(&mut draw, cell.robot(), 100);
         let truth: Vec<_> = states.iter().map(|state| alone(&mut cell, state)).collect();
+        let pair = |hit: &Option<StateHit>| hit.map(|hit| (hit.pair, hit.touches()));
+        let first_of_all: Vec<_> =
+            checker.first(&states, Par::Serial).unwrap().iter().map(pair).collect();
         for (size, threads) in
             [1, 2, 4, 5, 16, 19, 100].into_iter().flat_map(|s| [1, 2, 3].map(|t| (s, t)))
         {
             let said = format!("round {round}, {size} at once on {threads} threads");
             dcd_exec::with_threads(threads, || {
-                for (states, truth) in states.chunks(size).zip(truth.chunks(size)) {
+                let due = truth.chunks(size).zip(first_of_all.chunks(size));
+                for (states, (truth, due_first)) in states.chunks(size).zip(due) {
                     let all = checker.all(states, Par::Pool).unwrap();
                     let first = checker.first(states, Par::Pool).unwrap();
+                    assert!(first.iter().map(pair).eq(due_first.iter().copied()), "{said}");
                     let collides = checker.collides(states, Par::Pool).unwrap();
                     let ours =
                         all.iter().map(|hit| (hit.state as usize, (hit.pair, hit.touches())));
