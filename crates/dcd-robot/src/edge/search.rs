@@ -2,6 +2,7 @@
 
 mod bounds;
 mod planes;
+mod slices;
 #[cfg(test)]
 mod tests;
 
@@ -17,6 +18,7 @@ use dcd_geom::Pose;
 use dcd_gjk::PosedShape;
 use dcd_gjk::distance::{DistanceResult, distance, in_f64};
 use glam::DVec3;
+use slices::Slices;
 use std::ops::Range;
 
 /// An interval is not halved below this length. No unit. Smaller: more intervals where shapes graze each
@@ -62,6 +64,7 @@ pub(super) struct EdgeSearch<'a> {
     shortest: f64,
     /// The pairs of all nodes on the stack; groups of pairs by numbers behind those of all pairs.
     open: Vec<u32>,
+    slices: Slices,
     is_even: bool,
 }
 
@@ -166,6 +169,7 @@ impl<'a> EdgeSearch<'a> {
             half: 0.0,
             shortest: SHORTEST,
             open: Vec::new(),
+            slices: Slices::default(),
             is_even,
         }
     }
@@ -182,6 +186,9 @@ impl<'a> EdgeSearch<'a> {
         let end = self.hit.map_or(1.0, |(t, _)| t);
         let mut stack = Vec::new();
         if end > 0.0 {
+            if self.hit.is_some() {
+                self.slices = self.slice(end, 0.0).unwrap_or_default();
+            }
             stack.push(Node { from: 0.0, to: end, pairs: 0..self.open.len() });
         }
         while let Some(node) = stack.pop() {
@@ -300,8 +307,13 @@ impl<'a> EdgeSearch<'a> {
                 self.open.swap(node.pairs.start, k);
             }
         }
+        let mut slices = self.slices.of(node);
         for k in node.pairs.clone() {
-            self.take_up(self.open[k]);
+            self.take_up(self.open[k], slices);
+            if k == 0 && self.nodes == 1 && self.hit.is_none() {
+                self.slice_all();
+                slices = self.slices.of(node);
+            }
             if self.hit.is_some_and(|(t, _)| t < node.to && t > node.from) {
                 // Only what is before it matters, and all of that is searched again.
                 self.open.truncate(from);
@@ -311,6 +323,16 @@ impl<'a> EdgeSearch<'a> {
         from..self.open.len()
     }
 
+    /// Finds what spheres prove on all of the path, where some distance is known.
+    fn slice_all(&mut self) {
+        if self.nearest.is_finite()
+            && let Some(slices) = self.slice(1.0, self.nearest)
+        {
+            self.slices = slices;
+            self.note(self.nearest);
+        }
+    }
+
     /// The group that is open by that number, if it is none of a pair.
     fn group(&self, open: u32) -> Option<&'a Group> {
         let number = (open as usize).checked_sub(self.checker.pairs.len())?;
@@ -318,12 +340,21 @@ impl<'a> EdgeSearch<'a> {
     }
 
     /// Adds to what is open what of a pair or a group is not proved.
-    fn take_up(&mut self, open: u32) {
+    fn take_up(&mut self, open: u32, slices: u16) {
+        if self.slices.prove(open, slices) {
+            return;
+        }
         let Some(group) = self.group(open) else { return self.take_up_pair(open) };
         match self.reach_of(group) {
             Reach::Beyond => {}
             Reach::Moves => self.open.push(open),
-            Reach::Near => group.members.iter().for_each(|&pair| self.take_up_pair(pair)),
+            Reach::Near => {
+                for &pair in &group.members {
+                    if !self.slices.prove(pair, slices) {
+                        self.take_up_pair(pair);
+                    }
+                }
+            }
         }
     }
 
