@@ -2,7 +2,7 @@ use super::super::tests::groups::arm_of_several;
 use super::super::tests::{Draw, arm, at, checker, obstacle};
 use super::*;
 use dcd_geom::Shape;
-use dcd_gjk::distance::gap_along;
+use dcd_gjk::distance::{DistanceResult, distance, gap_along};
 use glam::DQuat;
 
 /// The robot in the middle of an interval.
