@@ -89,7 +89,8 @@ pub struct Edge {
     pub answer: EdgeAnswer,
     /// Up to which t all of it is proved free; 1 for a free edge.
     pub free_until: f64,
-    /// How many intervals were looked at; sixteen single states, which come first, are not counted.
+    /// How many intervals were looked at; sixteen single states, which come first, and sixteen equal parts, which are compared
+    /// together, are not counted.
     pub nodes: usize,
 }
 

@@ -11,7 +11,7 @@ mod body_pairs;
 mod chain;
 mod changes;
 pub(crate) mod covers;
-mod link_frames;
+pub(crate) mod link_frames;
 mod links;
 mod numbers;
 mod obstacle_tree;

@@ -111,7 +111,12 @@ impl Chain {
         self.extent + self.rest
     }
 
-    /// The same of what is that far from the link's frame.
+    /// How far from the link's frame what moves by [`Lengths::speed`] at most may be.
+    pub(super) fn extent(&self) -> f64 {
+        self.extent
+    }
+
+    /// The chain of what is that far from the link's frame.
     pub(super) fn with_extent(&self, extent: f64) -> Self {
         Self { extent, rest: 0.0, ..self.clone() }
     }
@@ -152,6 +157,19 @@ impl Chain {
 }
 
 impl Lengths {
+    /// How large the acceleration of any point is at most, against the frames of the joints: an entry for each joint, what comes
+    /// from that one and those behind it, and 0.
+    pub(super) fn accelerations(&self) -> Vec<f64> {
+        let mut accelerations = vec![0.0; self.speed.len() + 1];
+        let mut behind = 0.0;
+        for k in (0..self.speed.len()).rev() {
+            let change = self.change[k] + (self.speed[k] + 2.0 * behind) * self.turn[k];
+            accelerations[k] = accelerations[k + 1] + change;
+            behind += self.speed[k];
+        }
+        accelerations
+    }
+
     /// How fast any point moves against the frame that the joints before the `first` leave where it is.
     pub(crate) fn speed_from(&self, first: usize) -> f64 {
         self.speed[first..].iter().sum()

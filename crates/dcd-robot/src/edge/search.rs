@@ -1,7 +1,9 @@
 //! The search through a path's intervals.
 
 mod bounds;
+mod distances;
 mod planes;
+mod slices;
 #[cfg(test)]
 mod tests;
 
@@ -15,8 +17,8 @@ use crate::RobotError;
 use dcd_exec::Par;
 use dcd_geom::Pose;
 use dcd_gjk::PosedShape;
-use dcd_gjk::distance::{DistanceResult, distance, in_f64};
 use glam::DVec3;
+use slices::Slices;
 use std::ops::Range;
 
 /// An interval is not halved below this length. No unit. Smaller: more intervals where shapes graze each
@@ -62,6 +64,7 @@ pub(super) struct EdgeSearch<'a> {
     shortest: f64,
     /// The pairs of all nodes on the stack; groups of pairs by numbers behind those of all pairs.
     open: Vec<u32>,
+    slices: Slices,
     is_even: bool,
 }
 
@@ -166,6 +169,7 @@ impl<'a> EdgeSearch<'a> {
             half: 0.0,
             shortest: SHORTEST,
             open: Vec::new(),
+            slices: Slices::default(),
             is_even,
         }
     }
@@ -182,6 +186,9 @@ impl<'a> EdgeSearch<'a> {
         let end = self.hit.map_or(1.0, |(t, _)| t);
         let mut stack = Vec::new();
         if end > 0.0 {
+            if self.hit.is_some() {
+                self.slices = self.slice(end, 0.0).unwrap_or_default();
+            }
             stack.push(Node { from: 0.0, to: end, pairs: 0..self.open.len() });
         }
         while let Some(node) = stack.pop() {
@@ -300,8 +307,13 @@ impl<'a> EdgeSearch<'a> {
                 self.open.swap(node.pairs.start, k);
             }
         }
+        let mut slices = self.slices.of(node);
         for k in node.pairs.clone() {
-            self.take_up(self.open[k]);
+            self.take_up(self.open[k], slices);
+            if k == 0 && self.nodes == 1 && self.hit.is_none() {
+                self.slice_all();
+                slices = self.slices.of(node);
+            }
             if self.hit.is_some_and(|(t, _)| t < node.to && t > node.from) {
                 // Only what is before it matters, and all of that is searched again.
                 self.open.truncate(from);
@@ -311,6 +323,16 @@ impl<'a> EdgeSearch<'a> {
         from..self.open.len()
     }
 
+    /// Finds what spheres prove on all of the path, where some distance is known.
+    fn slice_all(&mut self) {
+        if self.nearest.is_finite()
+            && let Some(slices) = self.slice(1.0, self.nearest)
+        {
+            self.slices = slices;
+            self.note(self.nearest);
+        }
+    }
+
     /// The group that is open by that number, if it is none of a pair.
     fn group(&self, open: u32) -> Option<&'a Group> {
         let number = (open as usize).checked_sub(self.checker.pairs.len())?;
@@ -318,12 +340,21 @@ impl<'a> EdgeSearch<'a> {
     }
 
     /// Adds to what is open what of a pair or a group is not proved.
-    fn take_up(&mut self, open: u32) {
+    fn take_up(&mut self, open: u32, slices: u16) {
+        if self.slices.prove(open, slices) {
+            return;
+        }
         let Some(group) = self.group(open) else { return self.take_up_pair(open) };
         match self.reach_of(group) {
             Reach::Beyond => {}
             Reach::Moves => self.open.push(open),
-            Reach::Near => group.members.iter().for_each(|&pair| self.take_up_pair(pair)),
+            Reach::Near => {
+                for &pair in &group.members {
+                    if !self.slices.prove(pair, slices) {
+                        self.take_up_pair(pair);
+                    }
+                }
+            }
         }
     }
 
@@ -433,63 +464,5 @@ impl<'a> EdgeSearch<'a> {
     fn keep(&mut self, pair: u32, carried: Option<glam::DMat3>, direction: DVec3) {
         let own = carried.map_or(direction, |rotation| rotation.transpose() * direction);
         self.directions[pair as usize] = own;
-    }
-
-    /// [`is_proved_by_distance`](Self::is_proved_by_distance) where a mesh's hull proves the pair apart, or will do so on a
-    /// shorter interval; `None` where the mesh itself is needed.
-    fn is_proved_by_hulls(&mut self, pair: u32, carried: Option<glam::DMat3>) -> Option<bool> {
-        let edge_pair = self.checker.pairs[pair as usize];
-        let hulls =
-            edge_pair.objects.map(|object| self.checker.volumes[object as usize].hull.as_ref());
-        if hulls.iter().all(Option::is_none) {
-            return None;
-        }
-        let [a, b] = [0, 1].map(|k| {
-            let posed = self.posed(edge_pair.objects[k]);
-            PosedShape { shape: hulls[k].unwrap_or(posed.shape), ..posed }
-        });
-        let DistanceResult::Apart(found) = in_f64(a, b) else { return None };
-        self.keep(pair, carried, found.normal);
-        let lost = self.slack(&edge_pair) + self.off(&edge_pair);
-        let along = self.along(&edge_pair, found.normal);
-        let proved = found.lower() - self.moved(&edge_pair) - lost;
-        let proved = along.map_or(proved, |gaps| proved.max(gaps.proved));
-        if self.suffices(proved) {
-            return Some(self.note(proved));
-        }
-        // The mesh is no nearer: a gap that suffices at the middle does so on a shorter interval.
-        self.suffices(found.lower() - lost).then_some(false)
-    }
-
-    fn is_proved_by_distance(&mut self, pair: u32, carried: Option<glam::DMat3>) -> bool {
-        let edge_pair = self.checker.pairs[pair as usize];
-        if let Some(is_proved) = self.is_proved_by_hulls(pair, carried) {
-            return is_proved;
-        }
-        let [a, b] = edge_pair.objects.map(|object| self.posed(object));
-        let mut found = in_f64(a, b);
-        if !matches!(found, DistanceResult::Apart(_)) {
-            found = distance(a, b).0;
-        }
-        let found = match found {
-            DistanceResult::Apart(found) => found,
-            // Proved, at the poses that the robot's placing gives.
-            DistanceResult::Touching => {
-                self.hit = Some((self.at.t, edge_pair.objects));
-                return false;
-            }
-            _ => return false,
-        };
-        self.keep(pair, carried, found.normal);
-        let off = self.off(&edge_pair);
-        self.nearest = self.nearest.min(found.upper() + off);
-        let mut proved = found.lower() - (self.moved(&edge_pair) + self.slack(&edge_pair) + off);
-        if !self.suffices(proved) {
-            let along = self.along(&edge_pair, found.normal);
-            proved = along.map_or(proved, |gaps| proved.max(gaps.proved));
-        }
-        // Proved, and by as much as a clearance needs.
-        let enough = proved > 0.0 && (self.suffices(proved) || proved >= 0.5 * found.lower());
-        if enough { self.note(proved) } else { false }
     }
 }

@@ -1,4 +1,4 @@
-mod groups;
+pub(super) mod groups;
 mod half_space;
 
 use super::*;

@@ -11,18 +11,18 @@ use dcd_simd::{Kernel, Lanes, WIDTH};
 use glam::{DMat3, DVec3};
 
 /// How many f64 lanes there are.
-pub(super) const HALF: usize = WIDTH / 2;
+pub(crate) const HALF: usize = WIDTH / 2;
 
 /// A number of each of sixteen states.
-pub(super) type Numbers = [[f64; HALF]; 2];
+pub(crate) type Numbers = [[f64; HALF]; 2];
 
 /// A link's frame in each of sixteen states: the rotation's columns, x, y and z of each, then the translation.
-pub(super) type FrameRow = [Numbers; 12];
+pub(crate) type FrameRow = [Numbers; 12];
 
 /// The frames of all links in sixteen states.
 #[derive(Clone, Debug, Default)]
-pub(super) struct LinkFrames {
-    pub(super) frames: Vec<FrameRow>,
+pub(crate) struct LinkFrames {
+    pub(crate) frames: Vec<FrameRow>,
     /// Those of the state that was last placed alone: read there, they are next to each other.
     alone: Vec<JointFrame>,
     /// For each joint what it is moved by: an angle or a length.
@@ -36,7 +36,7 @@ pub(super) struct LinkFrames {
 impl LinkFrames {
     /// Takes the values of the joints from at most sixteen states, which have been checked. Lanes past the last are
     /// left as they are.
-    pub(super) fn read(&mut self, robot: &Robot, states: &[&[f64]]) {
+    pub(crate) fn read(&mut self, robot: &Robot, states: &[&[f64]]) {
         self.frames.resize(robot.links.len(), [[[0.0; HALF]; 2]; 12]);
         self.drives.resize(robot.joints.len(), [[0.0; HALF]; 2]);
         let mut farthest = 0.0;
@@ -64,7 +64,7 @@ impl LinkFrames {
 
     /// Whether all frames of one of the states are known to be numbers: their sums are, which infinite numbers and
     /// NaN make infinite or NaN. Sums of what is finite may be infinite too.
-    pub(super) fn is_finite(&self, lane: usize) -> bool {
+    pub(crate) fn is_finite(&self, lane: usize) -> bool {
         self.sums[lane / HALF][lane % HALF].is_finite()
     }
 
@@ -98,11 +98,11 @@ impl LinkFrames {
 
 /// Moves the links: joint by joint, so that a parent's frame is there before its child's. Lanes past the last state
 /// mean nothing.
-pub(super) struct Place<'a> {
-    pub(super) robot: &'a Robot,
+pub(crate) struct Place<'a> {
+    pub(crate) robot: &'a Robot,
     /// At most sixteen, those that were read.
-    pub(super) states: &'a [&'a [f64]],
-    pub(super) to: &'a mut LinkFrames,
+    pub(crate) states: &'a [&'a [f64]],
+    pub(crate) to: &'a mut LinkFrames,
 }
 
 impl Kernel for Place<'_> {

@@ -106,10 +106,16 @@ impl EdgeSearch<'_> {
 
     /// What coordinates and velocities of both lose in f64.
     pub(super) fn slack(&self, pair: &EdgePair) -> f64 {
+        let deviations = pair.objects.map(|object| self.movers[object as usize].deviation);
+        self.slack_of(pair, deviations, self.half)
+    }
+
+    /// The same with those deviations of both poses, in intervals of half that length.
+    pub(super) fn slack_of(&self, pair: &EdgePair, deviations: [f64; 2], half: f64) -> f64 {
         let [a, b] = pair.objects.map(|object| &self.movers[object as usize]);
         let lengths = a.length + b.length;
-        let relative = ROUNDING + 4.0 * (a.deviation + b.deviation);
-        relative * lengths * (1.0 + self.half * (8.0 + a.turns + b.turns))
+        let relative = ROUNDING + 4.0 * (deviations[0] + deviations[1]);
+        relative * lengths * (1.0 + half * (8.0 + a.turns + b.turns))
     }
 
     /// What its poses may be off by, twice: where the gap is found, and where it is relied on.

@@ -1,7 +1,8 @@
+use super::super::tests::groups::arm_of_several;
 use super::super::tests::{Draw, arm, at, checker, obstacle};
 use super::*;
 use dcd_geom::Shape;
-use dcd_gjk::distance::gap_along;
+use dcd_gjk::distance::{DistanceResult, distance, gap_along};
 use glam::DQuat;
 
 /// The robot in the middle of an interval.
@@ -83,6 +84,81 @@ fn no_pair_comes_nearer_in_an_interval_than_is_proved_of_it() {
         }
     }
     assert!(proved > 300 && tight > 100, "{proved} {tight}");
+}
+
+#[test]
+fn spheres_that_are_proved_apart_in_a_slice_are_apart_all_along_it() {
+    let mut draw = Draw::new();
+    // Of all, of those that hardly are apart, and of those that are far apart, and left open in vain.
+    let (mut proved, mut near, mut far, mut in_vain) = (0, 0, 0, 0);
+    for k in 0..60 {
+        let shapes = [
+            Shape::cuboid(draw.vector().abs() * 0.3 + 0.01).unwrap(),
+            Shape::cylinder(0.3, 0.1).unwrap().rounded(0.02).unwrap(),
+            Shape::hull((0..12).map(|_| draw.vector() * 0.3).collect()).unwrap(),
+        ];
+        let obstacles = shapes.into_iter().map(|shape| {
+            let turn = DQuat::from_scaled_axis(draw.vector() * 3.0);
+            let pose = Pose::new(turn, draw.vector() * 2.5).unwrap();
+            crate::Obstacle { pose, ..obstacle(&format!("{pose:?}"), shape, DVec3::ZERO) }
+        });
+        let robot = if k % 3 == 0 { arm_of_several() } else { arm(4) };
+        let values = robot.variables().len();
+        let checker = checker(robot, obstacles.collect());
+        let mut state = || -> Vec<f64> { (0..values).map(|_| draw.unit() * 2.0).collect() };
+        let path = if k % 2 == 0 {
+            JointPath::Straight([state(), state()])
+        } else {
+            JointPath::Bezier([state(), state(), state(), state()])
+        };
+        let (end, nearest) = ([1.0, 0.8125, 0.25][k / 6 % 3], [0.0, 0.2][k / 3 % 2]);
+        let slices = EdgeSearch::new(&checker, &path, (1, Before::Hit)).slice(end, nearest);
+        let slices = slices.unwrap();
+        assert_eq!(slices.open.len(), checker.pairs.len() + checker.groups.groups.len());
+        let mut least = vec![[f64::INFINITY; 16]; slices.open.len()];
+        for step in 0..=16 * 16 {
+            let there = search(&checker, &path, (end * f64::from(step) / 256.0, 0.0));
+            for (open, least) in (0..).zip(&mut least) {
+                let far = there.far(open);
+                // The borders belong to both.
+                for slice in [step / 16, (step - 1) / 16] {
+                    if let Some(least) = least.get_mut(slice as usize) {
+                        *least = least.min(far);
+                    }
+                }
+            }
+        }
+        for (open, least) in (0..).zip(&least) {
+            for (slice, &least) in least.iter().enumerate() {
+                let is_proved = slices.prove(open, 1 << slice);
+                let least = least - nearest;
+                assert!(!is_proved || least > 0.0, "{path:?}, {end}: {open} {slice} {least}");
+                proved += u32::from(is_proved);
+                near += u32::from(is_proved && least < 0.03);
+                far += u32::from(least > 0.3);
+                in_vain += u32::from(!is_proved && least > 0.3);
+            }
+        }
+    }
+    assert!(proved > 10_000 && near > 5 && in_vain * 20 < far, "{proved} {near} {in_vain} {far}");
+}
+
+#[test]
+fn a_node_has_a_part_of_the_slices_that_it_reaches_into() {
+    let slices = Slices { end: 0.8125, open: vec![0b10, 0, u16::MAX] };
+    let of = |from: f64, to: f64| slices.of(&Node { from, to, pairs: 0..0 });
+    let slice = 0.8125 / 16.0;
+    assert_eq!(of(0.0, 0.8125), u16::MAX);
+    assert_eq!(of(0.0, slice), 1);
+    assert_eq!(of(slice, 3.0 * slice), 0b110);
+    assert_eq!(of(15.25 * slice, 15.5 * slice), 1 << 15);
+    assert_eq!(of(14.5 * slice, 15.5 * slice), 0b11 << 14);
+    assert!(slices.prove(0, 0b101) && !slices.prove(0, 0b110) && slices.prove(1, u16::MAX));
+    assert!(!slices.prove(2, 1) && !slices.prove(3, 1));
+    // Where nothing is known nothing is proved.
+    let none = Slices::default();
+    assert_eq!(none.of(&Node { from: 0.5, to: 0.75, pairs: 0..0 }), u16::MAX);
+    assert!(!none.prove(0, 1));
 }
 
 fn measured(search: &EdgeSearch<'_>, [a, b]: [u32; 2]) -> Option<dcd_gjk::distance::Distance> {

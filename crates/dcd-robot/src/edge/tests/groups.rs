@@ -3,7 +3,7 @@
 use super::*;
 
 /// An arm of three links of length 1, turned about z, y and z, each with spheres beside it and a box across it.
-fn arm_of_several() -> Robot {
+pub(in super::super) fn arm_of_several() -> Robot {
     let of = |origin: &str, geometry: &str| {
         format!("<collision><origin {origin}/><geometry>{geometry}</geometry></collision>")
     };
