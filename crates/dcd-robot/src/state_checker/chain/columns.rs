@@ -269,3 +269,78 @@ fn turned_by<L: Lanes>(axes: [Vec4; 3], turn: &[f32; 9]) -> [Vec4; 3] {
     }
     columns
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::state_checker::StateChecker;
+    use crate::state_checker::one_link::{LinkPlace, LinkPlaces};
+    use crate::state_checker::places::{PlaceLinks, Places};
+    use crate::state_checker::rounded_links::Rounded;
+    use crate::state_checker::tests::seeded;
+    use crate::{AllowedPairs, LinkShapes, Robot, Workcell, World};
+    use dcd_simd::{Path, dispatch_on};
+    use std::collections::BTreeSet;
+    use std::f64::consts::FRAC_PI_2;
+
+    /// Links one behind the other, each turned alike at rest and about another axis.
+    fn arm(rpy: [f64; 3]) -> Robot {
+        let link = |k: usize| {
+            format!(
+                "<link name=\"l{k}\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>"
+            )
+        };
+        let mut urdf = format!("<robot name=\"arm\">{}", link(0));
+        let axes = ["1 0 0", "0 1 0", "0 0 1", "-1 0 0", "0 -1 0", "0 0 -1"];
+        for (k, axis) in axes.into_iter().enumerate() {
+            let [roll, pitch, yaw] = rpy;
+            urdf += &link(k + 1);
+            urdf += &format!(
+                "<joint name=\"j{k}\" type=\"continuous\"><parent link=\"l{k}\"/><child link=\"l{}\"/>\
+                 <origin xyz=\"0.3 0.2 -0.1\" rpy=\"{roll} {pitch} {yaw}\"/><axis xyz=\"{axis}\"/></joint>",
+                k + 1
+            );
+        }
+        urdf += "</robot>";
+        Robot::read(&urdf, std::path::Path::new("."), LinkShapes::Hulls).unwrap()
+    }
+
+    #[test]
+    fn a_state_alone_takes_every_way_as_it_does_among_others() {
+        let mut draw = seeded(53);
+        let mut ways = BTreeSet::new();
+        let turns = (0..3).flat_map(|axis| [FRAC_PI_2, -FRAC_PI_2].map(|angle| (axis, angle)));
+        for (axis, angle) in turns.chain([(0, 0.0)]) {
+            let mut rpy = [0.0; 3];
+            rpy[axis] = angle;
+            let cell = Workcell::new(arm(rpy), &World::default(), &AllowedPairs::default());
+            let checker = StateChecker::new(cell.unwrap()).unwrap();
+            let prepared = &checker.prepared;
+            ways.extend(prepared.chain.steps.iter().map(|step| step.way));
+            let mut state = || [(); 6].map(|()| draw.next() * 3.0);
+            let states: [[f64; 6]; 2] = [state(), state()];
+            let both = states.each_ref().map(|state| &state[..]);
+            for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+                let mut places = Places::default();
+                places.read(prepared, &both).unwrap();
+                let (links, rows) = (&*prepared.world_links, &*prepared.world_rows);
+                let mut rounded = Rounded::default();
+                for open in [0b11, 0b01] {
+                    let placed = places.placed(prepared);
+                    let to = &mut rounded;
+                    dispatch_on(path, PlaceLinks { placed, open, links, rows, to });
+                }
+                for link in 0..links.len() {
+                    let (alone, among) =
+                        (rounded.one.world().at(link), (&*rounded.world, 0).at(link));
+                    let bits = |number: f32| number.to_bits();
+                    for k in 0..12 {
+                        let both = [alone.number(k), among.number(k)].map(bits);
+                        assert_eq!(both[0], both[1], "{path:?}, {rpy:?}, link {link}, number {k}");
+                    }
+                }
+            }
+        }
+        assert!(ways.into_iter().eq(0..OTHER));
+    }
+}
