@@ -93,19 +93,18 @@ impl LinkRow {
 }
 
 impl Sift<'_> {
-    /// The comparisons of several states for one of them, each rounded as there and in the same order, so that the answers
-    /// are the same.
+    /// The comparisons of several states for one of them, which has been placed, each rounded as there and in the same order,
+    /// so that the answers are the same.
     #[inline(always)]
     pub(super) fn alone<L: Lanes>(
         &mut self,
         l: L,
-        state: usize,
+        (state, slid): (usize, f32),
         one: &mut OneRounded,
         near: &mut Vec<(u32, u32)>,
     ) {
         let prepared = self.prepared;
         let (mut links, mut rows) = (&*prepared.world_links, &*prepared.world_rows);
-        let slid = self.placed.place_alone(l, (links, rows, state), one);
         let world = one.world();
         for (number, (row, placed)) in rows.iter().zip(world.spheres).enumerate() {
             let spheres = row.spheres(l, placed);

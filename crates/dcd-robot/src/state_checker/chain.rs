@@ -7,6 +7,7 @@
 mod columns;
 mod frame_error;
 mod turns;
+mod values;
 
 use super::links::LinkSpheres;
 use super::numbers::Numbers;
@@ -15,10 +16,12 @@ use super::sift::MOST_ALONE;
 use crate::kinematics::{JointFrame, quaternion};
 use crate::model::Drive;
 use crate::{Joint, Motion, Robot};
+use columns::way;
 use dcd_simd::{Row, WIDTH};
 use frame_error::{NOTHING, lost};
 use glam::{DMat3, DVec3};
 use turns::{rotation, set_column, shift, turn, turn_about, turned};
+use values::ValueRow;
 
 pub(super) use frame_error::FrameError;
 pub(super) use turns::loaded;
@@ -65,12 +68,12 @@ struct Step {
     parent: usize,
     child: usize,
     turned: Option<[Column; 3]>,
-    /// What that is where it is by a right angle.
-    quarter: Option<Quarter>,
     by: [f32; 3],
     /// Which of those are not 0, a bit each.
     along: u8,
     moves: Moves,
+    /// Which of [`Chain::place_alone`]'s ways it takes there.
+    way: u8,
 }
 
 /// A turn by a right angle about an axis of the frame, or back: what most joints at rest are turned by.
@@ -117,6 +120,8 @@ pub(super) struct Chain {
     quaternions: Vec<usize>,
     /// The values of a state that are none of those.
     idle: Vec<usize>,
+    /// All values of a state that is taken up alone.
+    values: ValueRow,
     /// For each link with spheres.
     pub(super) errors: Vec<FrameError>,
     /// Whether the bounds hold.
@@ -153,6 +158,7 @@ impl Chain {
             drives: Vec::new(),
             quaternions: Vec::new(),
             idle: Vec::new(),
+            values: ValueRow::default(),
             errors: Vec::new(),
             is_bounded: true,
         };
@@ -175,9 +181,9 @@ impl Chain {
             errors[joint.child] = error.moved(&moves);
             if frames.carries[joint.child] {
                 let (parent, child) = (frames.place(parent), frames.place(joint.child));
-                let quarter = turned.as_ref().and_then(Quarter::of);
                 let along = (0..3).map(|k| u8::from(by[k] != 0.0) << k).sum();
-                chain.steps.push(Step { parent, child, turned, quarter, by, along, moves });
+                let way = way(turned.as_ref(), &moves);
+                chain.steps.push(Step { parent, child, turned, by, along, moves, way });
             }
         }
         chain.frames = frames.count;
@@ -188,6 +194,7 @@ impl Chain {
         let error =
             |link: usize| if chain.is_bounded { errors[link] } else { FrameError::default() };
         chain.errors = links.iter().map(|link| error(link.link)).collect();
+        chain.values = ValueRow::of(&chain, robot.moved.len());
         chain
     }
 

@@ -64,33 +64,51 @@ impl<L: Lanes> Numbers for All<L> {
     }
 }
 
-/// The sines and the cosines of a state's first sixteen angles.
-pub(super) type Sines = [Row; 2];
+/// What moves the first sixteen joints of a state, and the sines and the cosines of that; of what slides they mean nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moved {
+    numbers: Row,
+    sines: [Row; 2],
+}
 
 /// The state of one lane: the others' numbers stay what they were.
 #[derive(Clone, Copy)]
 pub(super) struct One<'a, L> {
     lanes: std::marker::PhantomData<L>,
     lane: usize,
-    sines: &'a Sines,
+    first: &'a Moved,
 }
 
 impl<'a, L: Lanes> One<'a, L> {
-    /// With what [`One::sines`] has found.
+    /// With what [`One::moved`] has found.
     #[inline(always)]
-    pub(super) fn with(_: L, lane: usize, sines: &'a Sines) -> Self {
-        Self { lanes: std::marker::PhantomData, lane: lane % WIDTH, sines }
+    pub(super) fn with(_: L, lane: usize, first: &'a Moved) -> Self {
+        Self { lanes: std::marker::PhantomData, lane: lane % WIDTH, first }
     }
 
     /// Those of sixteen angles of one state in the lanes, where a packet has one angle of sixteen states: a tenth less time
-    /// for the links of a state alone than one after the other. Of what slides they mean nothing.
+    /// for the links of a state alone than one after the other.
     #[inline(always)]
-    pub(super) fn sines(l: L, angles: &Row) -> Sines {
-        let mut sines = [Row([0.0; WIDTH]); 2];
-        let [sine, cosine] = sin_cos(All(l), l.load(angles));
-        l.store(sine, &mut sines[0]);
-        l.store(cosine, &mut sines[1]);
-        sines
+    pub(super) fn moved(l: L, by: L::F) -> Moved {
+        let [mut numbers, mut sines, mut cosines] = [Row([0.0; WIDTH]); 3];
+        let [sine, cosine] = sin_cos(All(l), by);
+        l.store(by, &mut numbers);
+        l.store(sine, &mut sines);
+        l.store(cosine, &mut cosines);
+        Moved { numbers, sines: [sines, cosines] }
+    }
+
+    /// What moves the joint of a row, by its number.
+    #[inline(always)]
+    pub(super) fn number(self, rows: &[Row], number: usize) -> f32 {
+        if number < WIDTH { self.first.numbers.0[number] } else { self.load(&rows[number]) }
+    }
+
+    /// The sine and the cosine of one of the first sixteen angles.
+    #[inline(always)]
+    pub(super) fn first_sin_cos(self, number: usize) -> [f32; 2] {
+        let [sines, cosines] = &self.first.sines;
+        [sines.0[number % WIDTH], cosines.0[number % WIDTH]]
     }
 }
 
@@ -144,9 +162,8 @@ impl<L: Lanes> Numbers for One<'_, L> {
     }
     #[inline(always)]
     fn sin_cos(self, rows: &[Row], number: usize) -> [f32; 2] {
-        let [sines, cosines] = self.sines;
         if number < WIDTH {
-            return [sines.0[number], cosines.0[number]];
+            return self.first_sin_cos(number);
         }
         sin_cos(self, self.load(&rows[number]))
     }
@@ -215,13 +232,13 @@ mod tests {
             let Self(rows, lane) = self;
             let mut angles = Row([0.0; WIDTH]);
             angles.0.iter_mut().zip(rows).for_each(|(angle, row)| *angle = row.0[lane]);
-            let sines = One::sines(l, &angles);
+            let moved = One::moved(l, l.load(&angles));
             let of_row = |number: usize| {
                 let [sine, cosine] = All(l).sin_cos(rows, number);
                 let mut all = [Row([0.0; WIDTH]); 2];
                 l.store(sine, &mut all[0]);
                 l.store(cosine, &mut all[1]);
-                let one = One::with(l, lane, &sines).sin_cos(rows, number);
+                let one = One::with(l, lane, &moved).sin_cos(rows, number);
                 [one, all.map(|row| row.0[lane])]
             };
             (0..rows.len()).map(of_row).collect()

@@ -47,6 +47,11 @@ impl Places {
         Ok(())
     }
 
+    /// Takes up states that the bounds of f32 cover, to be read where they are placed.
+    pub(super) fn take_covered(&mut self) {
+        (self.uncovered, self.known) = (0, 0);
+    }
+
     /// Whether the bounds of f32 hold for a state: then no link of it is out of range.
     pub(super) fn covers(&self, lane: usize) -> bool {
         self.uncovered >> lane & 1 == 0

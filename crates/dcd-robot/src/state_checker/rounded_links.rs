@@ -115,9 +115,9 @@ impl Placed<'_> {
         (links, rows, lane): (&[LinkSpheres], &[LinkRow], usize),
         to: &mut OneRounded,
     ) -> f32 {
+        let by = l.load(self.drives.alone(lane));
+        let slid = self.place_frames(l, (by, lane), &mut to.frames);
         let OneRounded { frames, world, .. } = to;
-        let sines = One::sines(l, self.drives.alone(lane));
-        let slid = self.chain.place_alone(One::with(l, lane, &sines), self.drives, frames);
         if self.exact >> lane & 1 == 1 {
             for (link, frame) in links.iter().zip(&mut *frames) {
                 let numbers = &self.frames.frames[link.link];
@@ -128,6 +128,26 @@ impl Placed<'_> {
         }
         finish_rows(l, rows, (frames, slid), world);
         slid
+    }
+
+    /// The same of a state that the bounds cover, by what [`Chain::read_alone`] takes of it.
+    #[inline(always)]
+    pub(super) fn place_read<L: Lanes>(
+        &self,
+        l: L,
+        (rows, by): (&[LinkRow], L::F),
+        to: &mut OneRounded,
+    ) -> f32 {
+        let slid = self.place_frames(l, (by, 0), &mut to.frames);
+        finish_rows(l, rows, (&to.frames, slid), &mut to.world);
+        slid
+    }
+
+    /// Finds the links of a state alone, by what moves its first sixteen joints.
+    #[inline(always)]
+    fn place_frames<L: Lanes>(&self, l: L, (by, lane): (L::F, usize), to: &mut Vec<Row>) -> f32 {
+        let moved = One::moved(l, by);
+        self.chain.place_alone(One::with(l, lane, &moved), self.drives, to)
     }
 }
 

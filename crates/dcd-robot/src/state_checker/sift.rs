@@ -43,13 +43,38 @@ impl Kernel for SiftPacket<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> u32 {
         let Self(mut sift, rounded) = self;
-        if is_alone(sift.open) {
-            let state = sift.open.trailing_zeros() as usize;
-            sift.alone(l, state, &mut rounded.one, &mut rounded.near);
-        } else {
-            sift.together(l, rounded);
-        }
+        sift.together(l, rounded);
         sift.open
+    }
+}
+
+/// One state alone: with its values, if they were not read.
+pub(super) struct SiftState<'a>(
+    pub(super) Sift<'a>,
+    pub(super) &'a mut Rounded,
+    pub(super) Option<&'a [f64]>,
+);
+
+impl Kernel for SiftState<'_> {
+    /// As of a packet; `None`, and nothing is done, of values that [`Chain::read_alone`](super::chain::Chain::read_alone)
+    /// does not take.
+    type Output = Option<u32>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Option<u32> {
+        let Self(mut sift, Rounded { one, near, .. }, values) = self;
+        let state = sift.open.trailing_zeros() as usize;
+        let (prepared, placed) = (sift.prepared, sift.placed);
+        let (links, rows) = (&*prepared.world_links, &*prepared.world_rows);
+        let slid = match values {
+            Some(values) => {
+                let by = placed.chain.read_alone(l, values)?;
+                placed.place_read(l, (rows, by), one)
+            }
+            None => placed.place_alone(l, (links, rows, state), one),
+        };
+        sift.alone(l, (state, slid), one, near);
+        Some(sift.open)
     }
 }
 

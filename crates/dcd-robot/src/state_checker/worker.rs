@@ -4,7 +4,7 @@ use super::places::{PlaceLinks, Places};
 use super::prepared::Prepared;
 use super::rounded_links::Rounded;
 use super::separate::{Planes, Separate};
-use super::sift::{Found, Sift, SiftPacket, is_alone, taken_up};
+use super::sift::{Found, MOST_ALONE, Sift, SiftPacket, SiftState, is_alone, taken_up};
 use super::{Goal, StateChecker, StateHit};
 use crate::RobotError;
 use dcd_geom::{Pose, SceneError};
@@ -197,38 +197,60 @@ impl Worker {
         states: &[&[f64]],
         goal: Goal,
     ) -> Result<(), RefusedState> {
+        if states.len() <= MOST_ALONE && self.sift_covered(prepared, states, goal) {
+            return Ok(());
+        }
         self.read(prepared, states)?;
-        let Self { places, rounded, found, planes, .. } = self;
-        // Of a state alone there is no next one.
-        planes.clear(if states.len() > 1 { prepared.hulls.len() } else { 0 });
-        found.touching.clear();
-        found.candidates.clear();
-        for (packet, (states, places)) in states.chunks(WIDTH).zip(places).enumerate() {
-            let (path, placed) = (Path::best(), places.placed(prepared));
-            let first = (packet * WIDTH) as u32;
-            for taken in taken_up(states.len()) {
-                let (from, is_alone) = (found.candidates.len(), is_alone(taken));
-                let sift = Sift { prepared, placed, first, open: taken, goal, found: &mut *found };
-                let open = dispatch_on(path, SiftPacket(sift, &mut *rounded));
-                if found.candidates.len() == from {
-                    continue;
-                }
-                let (rounded, found, planes) = (&*rounded, &mut *found, &mut *planes);
-                let separate = Separate {
-                    prepared,
-                    rounded,
-                    first,
-                    open,
-                    is_alone,
-                    goal,
-                    found,
-                    planes,
-                    from,
-                };
-                dispatch_on(path, separate);
+        self.begin_sift(prepared, states.len());
+        for (packet, states) in states.chunks(WIDTH).enumerate() {
+            for open in taken_up(states.len()) {
+                self.sift_some((prepared, goal), (packet, open), None);
             }
         }
         Ok(())
+    }
+
+    /// The same of few states, read where they are placed. Returns whether all are of those that can be.
+    fn sift_covered(&mut self, prepared: &Prepared, states: &[&[f64]], goal: Goal) -> bool {
+        self.begin_sift(prepared, states.len());
+        self.places[0].take_covered();
+        let mut states = states.iter().enumerate();
+        states.all(|(lane, state)| {
+            self.sift_some((prepared, goal), (0, 1 << lane), Some(*state)).is_some()
+        })
+    }
+
+    fn begin_sift(&mut self, prepared: &Prepared, states: usize) {
+        // Of a state alone there is no next one.
+        self.planes.clear(if states > 1 { prepared.hulls.len() } else { 0 });
+        self.found.touching.clear();
+        self.found.candidates.clear();
+    }
+
+    /// Sorts the pairs of some states of a packet, or of one by its values, if it can be read where it is placed.
+    fn sift_some(
+        &mut self,
+        (prepared, goal): (&Prepared, Goal),
+        (packet, open): (usize, u32),
+        values: Option<&[f64]>,
+    ) -> Option<()> {
+        let Self { places, rounded, found, planes, .. } = self;
+        let (path, placed) = (Path::best(), places[packet].placed(prepared));
+        let (first, from) = ((packet * WIDTH) as u32, found.candidates.len());
+        let sift = Sift { prepared, placed, first, open, goal, found: &mut *found };
+        let is_alone = is_alone(open);
+        let open = if is_alone {
+            dispatch_on(path, SiftState(sift, &mut *rounded, values))?
+        } else {
+            dispatch_on(path, SiftPacket(sift, &mut *rounded))
+        };
+        if found.candidates.len() > from {
+            let rounded = &*rounded;
+            let separate =
+                Separate { prepared, rounded, first, open, is_alone, goal, found, planes, from };
+            dispatch_on(path, separate);
+        }
+        Some(())
     }
 
     /// Finds where the links are of the states of the next pairs.
