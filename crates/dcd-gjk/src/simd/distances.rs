@@ -23,6 +23,9 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, ShapeError};
 use dcd_simd::Path;
 use sorted::{Kind, Searched, Sorted};
+use std::iter::Enumerate;
+use std::ops::Range;
+use std::slice;
 
 /// How far apart the pairs within a margin are: [`Distances`](crate::Distances) at any accuracy, in packets of sixteen.
 ///
@@ -159,6 +162,23 @@ impl SimdDistances {
         match spheres.and_then(|both| distance_of_spheres(both, sharp)) {
             Some(found) => within_margin(found, self.margin, a, b),
             None => self.alone(a, b).0,
+        }
+    }
+
+    /// A pair that is apart, by what was found of it.
+    #[inline(always)]
+    fn by_found(
+        &self,
+        found: Measured,
+        spheres: Option<[PlacedSphere; 2]>,
+        (objects, pair): (ScenePairs<'_>, Pair),
+    ) -> Verdict<Option<Distance>> {
+        let sides = objects.posed(pair);
+        match found {
+            Measured::Searched(nearest) => self.by_search(nearest, sides),
+            Measured::Cuboids(features) => self.by_features(features, objects.frames, pair, sides),
+            Measured::Formula => self.by_formula(sides),
+            Measured::Centres => self.by_bounds_of_centres(spheres, sides),
         }
     }
 
@@ -336,14 +356,10 @@ impl NarrowPhase for SimdDistances {
         let undecided = report.take_undecided();
         sink.report.absorb(report);
         sorted.sort(self.path, frames, (yes, pairs, self.margin, self.accuracy));
-        let Sorted { kinds, read, formulas, searched, of_cuboids, .. } = &*sorted;
-        let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: &searched.measured };
-        let with_formula = ScenePairs { pairs: formulas, ..objects };
-        let mut formulas = 0..formulas.len();
-        let mut near = searched.near.iter().enumerate();
-        let mut of_cuboids = of_cuboids.found.iter();
-        for &number in read {
-            let (pair, kind) = (pairs[number as usize], kinds[number as usize]);
+        let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs };
+        let mut found = InOrder::of(sorted, objects);
+        for &number in &sorted.read {
+            let (pair, kind) = (pairs[number as usize], sorted.kinds[number as usize]);
             // No table of jumps: of spheres nothing tells the next pair's kind.
             if kind == Kind::Touching {
                 sink.contacts.push_pair(pair);
@@ -356,21 +372,7 @@ impl NarrowPhase for SimdDistances {
             {
                 continue;
             }
-            let (mut nearest, mut features) = Default::default();
-            match kind {
-                Kind::Cuboids => features = of_cuboids.next().copied().unwrap_or_default(),
-                Kind::Searched => {
-                    if let Some((place, _)) = near.next() {
-                        self.look_ahead(objects, place, searched);
-                    }
-                    nearest = searched.found[number as usize];
-                }
-                Kind::Formula => {
-                    let number = formulas.next().unwrap_or_default();
-                    with_formula.look_ahead_to_ends(number);
-                }
-                Kind::Touching | Kind::Spheres | Kind::Beyond => {}
-            }
+            let found = found.next(self, kind, number);
             if !is_decided {
                 let [one, other] = objects.posed(pair);
                 let (verdict, method) = self.alone(one, other);
@@ -378,19 +380,63 @@ impl NarrowPhase for SimdDistances {
                 continue;
             }
             // Counted already, as apart.
-            let verdict = match kind {
-                Kind::Searched => self.by_search(nearest, objects.posed(pair)),
-                Kind::Cuboids => self.by_features(features, frames, pair, objects.posed(pair)),
-                Kind::Formula => self.by_formula(objects.posed(pair)),
-                Kind::Touching | Kind::Spheres | Kind::Beyond => {
-                    self.by_bounds_of_centres(spheres, objects.posed(pair))
-                }
-            };
-            match verdict {
+            match self.by_found(found, spheres, (objects, pair)) {
                 Verdict::Apart => {}
                 Verdict::Touching(answer) => sink.contacts.push(Contact { pair, answer }),
                 Verdict::Undecided(reason) => sink.report.leave_unmeasured(pair, reason),
             }
+        }
+    }
+}
+
+/// What the lanes found of a pair, or how it is measured.
+#[derive(Clone, Copy)]
+enum Measured {
+    Searched(Found),
+    Cuboids(of_cuboids::Found),
+    Formula,
+    Centres,
+}
+
+/// What was found of the pairs that are read, in their order.
+struct InOrder<'a> {
+    searched: &'a Searched,
+    near: Enumerate<slice::Iter<'a, u32>>,
+    of_cuboids: slice::Iter<'a, of_cuboids::Found>,
+    formulas: Range<usize>,
+    /// The pairs that were searched, and those with a formula.
+    objects: [ScenePairs<'a>; 2],
+}
+
+impl<'a> InOrder<'a> {
+    fn of(sorted: &'a Sorted, objects: ScenePairs<'a>) -> Self {
+        let Sorted { formulas, searched, of_cuboids, .. } = sorted;
+        Self {
+            searched,
+            near: searched.near.iter().enumerate(),
+            of_cuboids: of_cuboids.found.iter(),
+            formulas: 0..formulas.len(),
+            objects: [&searched.measured, formulas].map(|pairs| ScenePairs { pairs, ..objects }),
+        }
+    }
+
+    /// Of the next pair, of that kind and number.
+    #[inline(always)]
+    fn next(&mut self, narrow: &SimdDistances, kind: Kind, number: u32) -> Measured {
+        let [searched, with_formula] = self.objects;
+        match kind {
+            Kind::Cuboids => Measured::Cuboids(self.of_cuboids.next().copied().unwrap_or_default()),
+            Kind::Searched => {
+                if let Some((place, _)) = self.near.next() {
+                    narrow.look_ahead(searched, place, self.searched);
+                }
+                Measured::Searched(self.searched.found[number as usize])
+            }
+            Kind::Formula => {
+                with_formula.look_ahead_to_ends(self.formulas.next().unwrap_or_default());
+                Measured::Formula
+            }
+            Kind::Touching | Kind::Spheres | Kind::Beyond => Measured::Centres,
         }
     }
 }
