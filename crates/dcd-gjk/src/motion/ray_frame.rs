@@ -7,7 +7,7 @@
 
 use crate::supports::Polytopes;
 use dcd_geom::Polytope;
-use dcd_geom::glam::{DMat3, Mat3A, Vec2, Vec3};
+use dcd_geom::glam::{BVec3A, DMat3, Mat3A, Vec2, Vec3, Vec3A, Vec3Swizzles};
 use dcd_simd::{Block, Lanes, WIDTH};
 
 /// How many supports either half of the search takes. Hulls of some thirty vertices need one and three. Smaller: more
@@ -30,6 +30,10 @@ const STRAIGHT: f32 = 1e-6;
 
 /// Up to 32 vertices, which are compared at once.
 type Chunk = [Block; 2];
+
+/// The bits of a product that the number of a vertex in a [`Chunk`] takes: a maximum carries it along. Of vertices within
+/// 2⁻¹⁸ of the product of each other any may be the farthest.
+const NUMBER: u32 = 2 * WIDTH as u32 - 1;
 
 /// A shape's vertices in the axes of the ray.
 pub(super) struct Turned<'p> {
@@ -72,16 +76,16 @@ impl<'p> Turned<'p> {
         Some(())
     }
 
-    /// The number and the place of the vertex farthest along a direction.
+    /// The number and the place of a vertex farthest along a direction, to within what its number takes of its bits.
     #[inline(always)]
     fn farthest<L: Lanes>(&self, l: L, direction: Vec3, splatted: &[L::F; 3]) -> (u32, Vec3) {
         let [low, high] = &self.first;
-        let (in_low, in_high) = (low.along(l, splatted), high.along(l, splatted));
+        let numbers = l.lane_numbers();
+        let in_low = l.tag(low.along(l, splatted), l.splat_u(NUMBER), numbers);
+        let numbers = l.add_u(numbers, l.splat_u(WIDTH as u32));
+        let in_high = l.tag(high.along(l, splatted), l.splat_u(NUMBER), numbers);
         let most = l.largest(l.max(in_low, in_high));
-        let all = l.splat(most);
-        let bits = (l.bits(l.le(all, in_low)) & 0xffff) | l.bits(l.le(all, in_high)) << WIDTH;
-        // Some vertex is, but for NaN.
-        let number = bits.trailing_zeros() as usize % (2 * WIDTH);
+        let number = (most.to_bits() & NUMBER) as usize;
         let found = (number as u32, self.first[number / WIDTH].point(number % WIDTH));
         if self.rest.is_empty() {
             return found;
@@ -207,7 +211,7 @@ impl<'t, 'p, L: Lanes> RayFrame<'t, 'p, L> {
             }
         }
         match self.portal([found[0].0, found[1].0, found[2].0])? {
-            Ok(corners) => self.face(corners),
+            Ok(corners) => self.face(&corners),
             missed => Some(missed),
         }
     }
@@ -275,10 +279,10 @@ impl<'t, 'p, L: Lanes> RayFrame<'t, 'p, L> {
 
     /// From three corners round the line to the face that the ray enters through.
     #[inline(always)]
-    fn face(&self, mut corners: [Corner; 3]) -> Option<Result<[Corner; 3], Miss>> {
+    fn face(&self, corners: &[Corner; 3]) -> Option<Result<[Corner; 3], Miss>> {
+        let mut triangle = Triangle::of(corners);
         for _ in 0..SUPPORTS {
-            let [p, q, r] = [corners[0].w, corners[1].w, corners[2].w];
-            let direction = (r - p).cross(q - p);
+            let direction = triangle.normal();
             let (corner, separation) = self.lowest(direction);
             if self.is_missed(direction, separation) {
                 return Some(Err(Miss { direction, corner }));
@@ -288,24 +292,103 @@ impl<'t, 'p, L: Lanes> RayFrame<'t, 'p, L> {
             if !(slope > 0.0) {
                 return None;
             }
-            let height = direction.dot(p) - separation;
-            let is_known = || corners.iter().any(|known| known.vertices == corner.vertices);
-            if height <= self.near * slope || is_known() {
-                return Some(Ok(corners));
+            let height = direction.dot(triangle.first()) - separation;
+            if height <= self.near * slope || triangle.has(&corner) {
+                return Some(Ok(triangle.corners()));
             }
-            let is_left = |k: usize| usize::from(corner.at().perp_dot(corners[k].at()) >= 0.0);
-            let sides = is_left(0) | is_left(1) << 1 | is_left(2) << 2;
-            // A table, for no branch predictor knows which one it is.
-            *corners.get_mut(DROPPED[sides])? = corner;
+            let dropped = triangle.dropped_for(&corner);
+            if !dropped.any() {
+                return None;
+            }
+            triangle.exchange(dropped, &corner);
         }
         None
     }
 }
 
-/// Which of three corners goes when another comes between them. The number's bit k says that the line, as seen from the
-/// new one, has corner k on its left: the line is between the last on its left and the first on its right, and the third
-/// goes. 3: there is none.
-const DROPPED: [usize; 8] = [3, 2, 0, 0, 1, 2, 1, 3];
+/// Three corners, their coordinates side by side: one goes for another without a branch, which no predictor would know,
+/// and without a way through memory.
+struct Triangle {
+    x: Vec3A,
+    y: Vec3A,
+    z: Vec3A,
+    /// The numbers of their vertices, as bits of f32, which no operation reads as such.
+    vertices: [Vec3A; 2],
+}
+
+impl Triangle {
+    #[inline(always)]
+    fn of([p, q, r]: &[Corner; 3]) -> Self {
+        let of = |side: usize| {
+            let [p, q, r] = [p, q, r].map(|corner| f32::from_bits(corner.vertices[side]));
+            Vec3A::new(p, q, r)
+        };
+        Self {
+            x: Vec3A::new(p.w.x, q.w.x, r.w.x),
+            y: Vec3A::new(p.w.y, q.w.y, r.w.y),
+            z: Vec3A::new(p.w.z, q.w.z, r.w.z),
+            vertices: [of(0), of(1)],
+        }
+    }
+
+    /// They themselves.
+    #[inline(always)]
+    fn corners(&self) -> [Corner; 3] {
+        let [x, y, z] = [self.x, self.y, self.z].map(|coordinate| coordinate.to_array());
+        let [of_a, of_b] = self.vertices.map(|of| of.to_array());
+        let corner = |k: usize| Corner {
+            w: Vec3::new(x[k], y[k], z[k]),
+            vertices: [of_a[k].to_bits(), of_b[k].to_bits()],
+        };
+        [corner(0), corner(1), corner(2)]
+    }
+
+    /// The first corner's place.
+    fn first(&self) -> Vec3 {
+        Vec3::new(self.x.x, self.y.x, self.z.x)
+    }
+
+    /// (r − p) × (q − p).
+    #[inline(always)]
+    fn normal(&self) -> Vec3 {
+        // Each corner less the next one: p − q, q − r.
+        let edges = |of: Vec3A| of - of.yzx();
+        let (x, y, z) = (edges(self.x), edges(self.y), edges(self.z));
+        // (q − r) × (p − q), in the first lane.
+        let across = |u: Vec3A, v: Vec3A| (u.yzx() * v - v.yzx() * u).x;
+        Vec3::new(across(y, z), across(z, x), across(x, y))
+    }
+
+    /// Whether one of them is that one.
+    #[inline(always)]
+    fn has(&self, corner: &Corner) -> bool {
+        let [of_a, of_b] = self.vertices.map(|of| of.to_array());
+        let is = |k: usize| [of_a[k].to_bits(), of_b[k].to_bits()] == corner.vertices;
+        is(0) | is(1) | is(2)
+    }
+
+    /// Which of them goes when another comes between them: as seen from that one, the line is between the last on its
+    /// left and the first on its right, and the third goes. None where all are on one side.
+    #[inline(always)]
+    fn dropped_for(&self, corner: &Corner) -> BVec3A {
+        let side = self.y * corner.w.x - self.x * corner.w.y;
+        // Corner k + 1 goes where k + 2 is on the left and k + 3 is not: lane by lane, counted round.
+        let (left, right) = (side.yzx(), side.zxy());
+        left.cmpge(Vec3A::ZERO) & right.cmplt(Vec3A::ZERO)
+    }
+
+    /// Puts a corner in the place of those of a mask.
+    #[inline(always)]
+    fn exchange(&mut self, which: BVec3A, corner: &Corner) {
+        let put = |to: &mut Vec3A, one: f32| *to = Vec3A::select(which, Vec3A::splat(one), *to);
+        put(&mut self.x, corner.w.x);
+        put(&mut self.y, corner.w.y);
+        put(&mut self.z, corner.w.z);
+        for (to, &number) in self.vertices.iter_mut().zip(&corner.vertices) {
+            put(to, f32::from_bits(number));
+        }
+    }
+}
 
 #[cfg(test)]
 mod tests {
