@@ -7,8 +7,9 @@
 
 use crate::supports::Polytopes;
 use dcd_geom::Polytope;
-use dcd_geom::glam::{BVec3A, DMat3, Mat3A, Vec2, Vec3, Vec3A, Vec3Swizzles};
+use dcd_geom::glam::{DMat3, Mat3A, Vec2, Vec3};
 use dcd_simd::{Block, Lanes, WIDTH};
+use triangle::Triangle;
 
 /// How many supports either half of the search takes. Hulls of some thirty vertices need one and three. Smaller: more
 /// casts are left to supports in f64.
@@ -38,6 +39,8 @@ const NUMBER: u32 = 2 * WIDTH as u32 - 1;
 /// A shape's vertices in the axes of the ray.
 pub(super) struct Turned<'p> {
     first: Chunk,
+    /// The number of the second block's first vertex: 0 where it is the first block again.
+    second: u32,
     /// Those past the first chunk, as they are in the shape: most hulls have none.
     rest: &'p [Block],
     /// What turns these: row k of the turn is axis k.
@@ -48,7 +51,7 @@ impl<'p> Turned<'p> {
     /// Without vertices.
     #[inline(always)]
     pub(super) fn none() -> Self {
-        Self { first: Chunk::default(), rest: &[], rows: Mat3A::ZERO }
+        Self { first: Chunk::default(), second: 0, rest: &[], rows: Mat3A::ZERO }
     }
 
     /// Takes in a shape; `None` if it has more than sixteen vertices and none in blocks.
@@ -69,8 +72,9 @@ impl<'p> Turned<'p> {
         let [low, high] = &mut self.first;
         let first = known.first().or(own.as_ref())?;
         turn(l, first, &by, low);
-        // A vertex that is there twice is found by its first number.
+        // A vertex that is there twice has one number.
         turn(l, known.get(1).unwrap_or(first), &by, high);
+        self.second = if known.len() > 1 { WIDTH as u32 } else { 0 };
         self.rest = known.get(2..).unwrap_or_default();
         self.rows = rows;
         Some(())
@@ -82,7 +86,7 @@ impl<'p> Turned<'p> {
         let [low, high] = &self.first;
         let numbers = l.lane_numbers();
         let in_low = l.tag(low.along(l, splatted), l.splat_u(NUMBER), numbers);
-        let numbers = l.add_u(numbers, l.splat_u(WIDTH as u32));
+        let numbers = l.add_u(numbers, l.splat_u(self.second));
         let in_high = l.tag(high.along(l, splatted), l.splat_u(NUMBER), numbers);
         let most = l.largest(l.max(in_low, in_high));
         let number = (most.to_bits() & NUMBER) as usize;
@@ -306,89 +310,7 @@ impl<'t, 'p, L: Lanes> RayFrame<'t, 'p, L> {
     }
 }
 
-/// Three corners, their coordinates side by side: one goes for another without a branch, which no predictor would know,
-/// and without a way through memory.
-struct Triangle {
-    x: Vec3A,
-    y: Vec3A,
-    z: Vec3A,
-    /// The numbers of their vertices, as bits of f32, which no operation reads as such.
-    vertices: [Vec3A; 2],
-}
-
-impl Triangle {
-    #[inline(always)]
-    fn of([p, q, r]: &[Corner; 3]) -> Self {
-        let of = |side: usize| {
-            let [p, q, r] = [p, q, r].map(|corner| f32::from_bits(corner.vertices[side]));
-            Vec3A::new(p, q, r)
-        };
-        Self {
-            x: Vec3A::new(p.w.x, q.w.x, r.w.x),
-            y: Vec3A::new(p.w.y, q.w.y, r.w.y),
-            z: Vec3A::new(p.w.z, q.w.z, r.w.z),
-            vertices: [of(0), of(1)],
-        }
-    }
-
-    /// They themselves.
-    #[inline(always)]
-    fn corners(&self) -> [Corner; 3] {
-        let [x, y, z] = [self.x, self.y, self.z].map(|coordinate| coordinate.to_array());
-        let [of_a, of_b] = self.vertices.map(|of| of.to_array());
-        let corner = |k: usize| Corner {
-            w: Vec3::new(x[k], y[k], z[k]),
-            vertices: [of_a[k].to_bits(), of_b[k].to_bits()],
-        };
-        [corner(0), corner(1), corner(2)]
-    }
-
-    /// The first corner's place.
-    fn first(&self) -> Vec3 {
-        Vec3::new(self.x.x, self.y.x, self.z.x)
-    }
-
-    /// (r − p) × (q − p).
-    #[inline(always)]
-    fn normal(&self) -> Vec3 {
-        // Each corner less the next one: p − q, q − r.
-        let edges = |of: Vec3A| of - of.yzx();
-        let (x, y, z) = (edges(self.x), edges(self.y), edges(self.z));
-        // (q − r) × (p − q), in the first lane.
-        let across = |u: Vec3A, v: Vec3A| (u.yzx() * v - v.yzx() * u).x;
-        Vec3::new(across(y, z), across(z, x), across(x, y))
-    }
-
-    /// Whether one of them is that one.
-    #[inline(always)]
-    fn has(&self, corner: &Corner) -> bool {
-        let [of_a, of_b] = self.vertices.map(|of| of.to_array());
-        let is = |k: usize| [of_a[k].to_bits(), of_b[k].to_bits()] == corner.vertices;
-        is(0) | is(1) | is(2)
-    }
-
-    /// Which of them goes when another comes between them: as seen from that one, the line is between the last on its
-    /// left and the first on its right, and the third goes. None where all are on one side.
-    #[inline(always)]
-    fn dropped_for(&self, corner: &Corner) -> BVec3A {
-        let side = self.y * corner.w.x - self.x * corner.w.y;
-        // Corner k + 1 goes where k + 2 is on the left and k + 3 is not: lane by lane, counted round.
-        let (left, right) = (side.yzx(), side.zxy());
-        left.cmpge(Vec3A::ZERO) & right.cmplt(Vec3A::ZERO)
-    }
-
-    /// Puts a corner in the place of those of a mask.
-    #[inline(always)]
-    fn exchange(&mut self, which: BVec3A, corner: &Corner) {
-        let put = |to: &mut Vec3A, one: f32| *to = Vec3A::select(which, Vec3A::splat(one), *to);
-        put(&mut self.x, corner.w.x);
-        put(&mut self.y, corner.w.y);
-        put(&mut self.z, corner.w.z);
-        for (to, &number) in self.vertices.iter_mut().zip(&corner.vertices) {
-            put(to, f32::from_bits(number));
-        }
-    }
-}
+mod triangle;
 
 #[cfg(test)]
 mod tests {
