@@ -9,6 +9,7 @@ use crate::supports::Polytopes;
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DMat3, Mat3A, Vec2, Vec3};
 use dcd_simd::{Block, Lanes, WIDTH};
+use triangle::Triangle;
 
 /// How many supports either half of the search takes. Hulls of some thirty vertices need one and three. Smaller: more
 /// casts are left to supports in f64.
@@ -31,9 +32,15 @@ const STRAIGHT: f32 = 1e-6;
 /// Up to 32 vertices, which are compared at once.
 type Chunk = [Block; 2];
 
+/// The bits of a product that the number of a vertex in a [`Chunk`] takes: a maximum carries it along. Of vertices within
+/// 2⁻¹⁸ of the product of each other any may be the farthest.
+const NUMBER: u32 = 2 * WIDTH as u32 - 1;
+
 /// A shape's vertices in the axes of the ray.
 pub(super) struct Turned<'p> {
     first: Chunk,
+    /// The number of the second block's first vertex: 0 where it is the first block again.
+    second: u32,
     /// Those past the first chunk, as they are in the shape: most hulls have none.
     rest: &'p [Block],
     /// What turns these: row k of the turn is axis k.
@@ -44,7 +51,7 @@ impl<'p> Turned<'p> {
     /// Without vertices.
     #[inline(always)]
     pub(super) fn none() -> Self {
-        Self { first: Chunk::default(), rest: &[], rows: Mat3A::ZERO }
+        Self { first: Chunk::default(), second: 0, rest: &[], rows: Mat3A::ZERO }
     }
 
     /// Takes in a shape; `None` if it has more than sixteen vertices and none in blocks.
@@ -65,23 +72,24 @@ impl<'p> Turned<'p> {
         let [low, high] = &mut self.first;
         let first = known.first().or(own.as_ref())?;
         turn(l, first, &by, low);
-        // A vertex that is there twice is found by its first number.
+        // A vertex that is there twice has one number.
         turn(l, known.get(1).unwrap_or(first), &by, high);
+        self.second = if known.len() > 1 { WIDTH as u32 } else { 0 };
         self.rest = known.get(2..).unwrap_or_default();
         self.rows = rows;
         Some(())
     }
 
-    /// The number and the place of the vertex farthest along a direction.
+    /// The number and the place of a vertex farthest along a direction, to within what its number takes of its bits.
     #[inline(always)]
     fn farthest<L: Lanes>(&self, l: L, direction: Vec3, splatted: &[L::F; 3]) -> (u32, Vec3) {
         let [low, high] = &self.first;
-        let (in_low, in_high) = (low.along(l, splatted), high.along(l, splatted));
+        let numbers = l.lane_numbers();
+        let in_low = l.tag(low.along(l, splatted), l.splat_u(NUMBER), numbers);
+        let numbers = l.add_u(numbers, l.splat_u(self.second));
+        let in_high = l.tag(high.along(l, splatted), l.splat_u(NUMBER), numbers);
         let most = l.largest(l.max(in_low, in_high));
-        let all = l.splat(most);
-        let bits = (l.bits(l.le(all, in_low)) & 0xffff) | l.bits(l.le(all, in_high)) << WIDTH;
-        // Some vertex is, but for NaN.
-        let number = bits.trailing_zeros() as usize % (2 * WIDTH);
+        let number = (most.to_bits() & NUMBER) as usize;
         let found = (number as u32, self.first[number / WIDTH].point(number % WIDTH));
         if self.rest.is_empty() {
             return found;
@@ -207,7 +215,7 @@ impl<'t, 'p, L: Lanes> RayFrame<'t, 'p, L> {
             }
         }
         match self.portal([found[0].0, found[1].0, found[2].0])? {
-            Ok(corners) => self.face(corners),
+            Ok(corners) => self.face(&corners),
             missed => Some(missed),
         }
     }
@@ -275,10 +283,10 @@ impl<'t, 'p, L: Lanes> RayFrame<'t, 'p, L> {
 
     /// From three corners round the line to the face that the ray enters through.
     #[inline(always)]
-    fn face(&self, mut corners: [Corner; 3]) -> Option<Result<[Corner; 3], Miss>> {
+    fn face(&self, corners: &[Corner; 3]) -> Option<Result<[Corner; 3], Miss>> {
+        let mut triangle = Triangle::of(corners);
         for _ in 0..SUPPORTS {
-            let [p, q, r] = [corners[0].w, corners[1].w, corners[2].w];
-            let direction = (r - p).cross(q - p);
+            let direction = triangle.normal();
             let (corner, separation) = self.lowest(direction);
             if self.is_missed(direction, separation) {
                 return Some(Err(Miss { direction, corner }));
@@ -288,24 +296,21 @@ impl<'t, 'p, L: Lanes> RayFrame<'t, 'p, L> {
             if !(slope > 0.0) {
                 return None;
             }
-            let height = direction.dot(p) - separation;
-            let is_known = || corners.iter().any(|known| known.vertices == corner.vertices);
-            if height <= self.near * slope || is_known() {
-                return Some(Ok(corners));
+            let height = direction.dot(triangle.first()) - separation;
+            if height <= self.near * slope || triangle.has(&corner) {
+                return Some(Ok(triangle.corners()));
             }
-            let is_left = |k: usize| usize::from(corner.at().perp_dot(corners[k].at()) >= 0.0);
-            let sides = is_left(0) | is_left(1) << 1 | is_left(2) << 2;
-            // A table, for no branch predictor knows which one it is.
-            *corners.get_mut(DROPPED[sides])? = corner;
+            let dropped = triangle.dropped_for(&corner);
+            if !dropped.any() {
+                return None;
+            }
+            triangle.exchange(dropped, &corner);
         }
         None
     }
 }
 
-/// Which of three corners goes when another comes between them. The number's bit k says that the line, as seen from the
-/// new one, has corner k on its left: the line is between the last on its left and the first on its right, and the third
-/// goes. 3: there is none.
-const DROPPED: [usize; 8] = [3, 2, 0, 0, 1, 2, 1, 3];
+mod triangle;
 
 #[cfg(test)]
 mod tests {
