@@ -276,7 +276,8 @@ struct Closing {
 
 impl Closing {
     fn of(a: MovingShape<'_>, b: MovingShape<'_>) -> Self {
-        let linear = a.motion.linear - b.motion.linear;
+        // Without a zero below 0, by which alone it may differ from what `mirrored` makes of (b, a): bits hang on it.
+        let linear = a.motion.linear - b.motion.linear + DVec3::ZERO;
         let angular = [a, b].map(|side| side.motion.angular);
         Self { linear, angular, radii: [a, b].map(|side| radius(&side)) }
     }
@@ -289,7 +290,7 @@ impl Closing {
     /// Of b against a.
     fn mirrored(&self) -> Self {
         let ([a, b], [of_a, of_b]) = (self.angular, self.radii);
-        Self { linear: -self.linear, angular: [b, a], radii: [of_b, of_a] }
+        Self { linear: DVec3::ZERO - self.linear, angular: [b, a], radii: [of_b, of_a] }
     }
 
     /// Along a fixed direction from a to b: a point at ρ from the centre moves along it by ω × ρ, which is at most

@@ -217,7 +217,7 @@ fn touch_and_gap(a: (&Shape, &RigidMotion), b: (&Shape, &RigidMotion), t: f64) -
 
 #[test]
 fn translations_are_answered_as_their_samples_say() {
-    let seed = std::env::var("DCD_SEED").map_or(7, |seed| seed.parse().expect("a seed"));
+    let seed = std::env::var("DCD_SEED").map_or(11, |seed| seed.parse().expect("a seed"));
     let mut draw = Draw(seed);
     let [mut free, mut hits] = [0; 2];
     for k in 0..600 {
