@@ -5,7 +5,7 @@ mod cuboid_axes;
 
 use super::bounds::{
     BODY_DETERMINANT, BODY_HEIGHT, BODY_NEAREST, BODY_REACH, BODY_SEPARATION, CUBOID_SEPARATION,
-    SHORTEST, SHORTEST_SQUARE, SMALLEST_SPHERE, SWEPT, TURNED, U, U64,
+    SHORTEST, SHORTEST_SQUARE, SMALLEST_SPHERE, SWEPT, TURNED, U, U64, up,
 };
 use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
@@ -422,9 +422,4 @@ fn min3<L: Lanes>(l: L, a: L::F, b: L::F, c: L::F) -> L::F {
 #[inline(always)]
 fn max3<L: Lanes>(l: L, a: L::F, b: L::F, c: L::F) -> L::F {
     l.max(l.max(a, b), c)
-}
-
-/// Rounded up.
-fn up(x: f64) -> f32 {
-    (x as f32).next_up()
 }

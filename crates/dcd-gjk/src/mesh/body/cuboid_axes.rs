@@ -1,7 +1,7 @@
 //! A cuboid against sixteen triangles by their thirteen axes (docs/numerics/proofs.md, "Parts").
 
-use super::{Body, Bounds, Proved, max3, min3, splat, up};
-use crate::mesh::bounds::{CUBOID_CORNERS, U};
+use super::{Body, Bounds, Proved, max3, min3, splat};
+use crate::mesh::bounds::{CUBOID_CORNERS, U, up};
 use crate::simd::vector::V3;
 use dcd_geom::glam::Vec3;
 use dcd_simd::{Lanes, Row};
