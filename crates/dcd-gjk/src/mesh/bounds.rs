@@ -52,6 +52,13 @@ pub(super) const BODY_SEPARATION: f64 = 12.1;
 /// 1, and 2 for the other end of an edge.
 pub(super) const CUBOID_SEPARATION: f64 = 18.6;
 
+/// The same as [`BODY_HEIGHT`] of a cuboid's farthest corner: its reach loses 64 where a vertex and its dot product lose less.
+/// Unit: u·l³. Smaller: false "touching".
+pub(super) const CUBOID_HEIGHT: f64 = 136.0;
+
+/// The same as [`BODY_DETERMINANT`], of a corner that is 10.4 off in place of 1.8. Unit: u·l³. Smaller: false "touching".
+pub(super) const CUBOID_DETERMINANT: f64 = 32.0;
+
 /// What a coordinate of a corner in a cuboid's frame may be off. Unit: u·l. The corner less the middle √3 times 2, the
 /// axis' rounding 1, the dot product 3. Smaller: false "touching".
 pub(super) const CUBOID_CORNERS: f64 = 8.1;

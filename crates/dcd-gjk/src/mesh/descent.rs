@@ -330,6 +330,15 @@ impl Descent<'_, '_> {
     ) -> Decided {
         let vertices = &self.scratch.vertices;
         let mut decided = Decided::default();
+        if let (Some(body), Goal::Any) = (&self.body, &self.tally.goal)
+            && body.is_cuboid()
+        {
+            let Proved { touching, apart } = body.decide_at_once(l, (leaf, open));
+            decided = Decided { touching, apart, ..decided };
+            if self.is_enough(open, &decided) {
+                return decided;
+            }
+        }
         if let Some(body) = &self.body {
             let Proved { touching, apart } = body.decide(l, (leaf, open), vertices, at_most);
             decided = Decided { touching, apart, ..decided };
