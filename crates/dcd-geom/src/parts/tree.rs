@@ -17,6 +17,7 @@ pub struct PartTree {
     /// For each block, how many of its lanes, the first ones, are needed.
     filled: Vec<u8>,
     leaves: usize,
+    reach: f64,
 }
 
 impl PartTree {
@@ -24,6 +25,10 @@ impl PartTree {
     pub(crate) fn over(boxes: &[Aabb]) -> Self {
         let mut tree = Self::default();
         build::build(boxes, &mut tree);
+        let Aabb { min, max } = tree.aabb();
+        // Squares and sums lose 3u; 8u cover them.
+        let lost = 1.0 + 4.0 * f64::EPSILON;
+        tree.reach = min.abs().max(max.abs()).as_dvec3().length() * lost;
         tree
     }
 
@@ -65,6 +70,11 @@ impl PartTree {
     /// The number of the root.
     pub fn root(&self) -> usize {
         self.blocks.len().saturating_sub(1)
+    }
+
+    /// At least how far from the frame's origin every part's AABB is, metres.
+    pub fn reach(&self) -> f64 {
+        self.reach
     }
 
     /// The AABB round all parts.

@@ -5,7 +5,7 @@ mod cuboid_axes;
 
 use super::bounds::{
     BODY_DETERMINANT, BODY_HEIGHT, BODY_NEAREST, BODY_REACH, BODY_SEPARATION, CUBOID_SEPARATION,
-    SHORTEST, SHORTEST_SQUARE, SMALLEST_SPHERE, SWEPT, TURNED, U, U64,
+    SHORTEST, SHORTEST_SQUARE, SMALLEST_SPHERE, SWEPT, TURNED, U, U64, up,
 };
 use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
@@ -157,6 +157,16 @@ impl Body {
         }
     }
 
+    /// What is proved of a cuboid and a leaf's triangles in the open lanes without its axes, which is mostly enough where one
+    /// triangle is; nothing of other bodies.
+    #[inline(always)]
+    pub(super) fn decide_at_once<L: Lanes>(&self, l: L, (leaf, open): (&Triangles, u32)) -> Proved {
+        let Form::Cuboid { axes, half } = self.form else { return Proved::default() };
+        let offset = self.middle - leaf.centre;
+        let bounds = self.bounds(leaf.radius + offset.length());
+        self.by_farthest_corner(l, &bounds, relative(l, leaf, offset), (axes, half), open)
+    }
+
     /// Of a leaf whose corners are that far, metres.
     fn bounds(&self, far: f64) -> Bounds {
         let size = far + self.reach;
@@ -201,7 +211,8 @@ impl Body {
         if let Some(row) = at_most {
             l.store(bounds.at_most(l, gap, plane.normal), row);
         }
-        Proved { touching: self.pierced(l, bounds, corners, &plane, (most, at)), apart }
+        let lost = [BODY_HEIGHT, BODY_DETERMINANT];
+        Proved { touching: self.pierced(l, (bounds, lost), corners, &plane, (most, at)), apart }
     }
 
     /// A capsule: by the triangle's normal, and by the triangle's point nearest to the end that is nearer to its plane.
@@ -248,21 +259,22 @@ impl Body {
         l.bits(l.lt(near.dot(l, near), l.splat(most.next_down())))
     }
 
-    /// The lanes in which the segment from the middle to a point of the core goes through the triangle.
+    /// The lanes in which the segment from the middle to a point of the core goes through the triangle; what heights and
+    /// determinants lose.
     #[inline(always)]
     fn pierced<L: Lanes>(
         &self,
         l: L,
-        bounds: &Bounds,
+        (bounds, [of_height, of_determinant]): (&Bounds, [f64; 2]),
         [p, q, r]: [V3<L>; 3],
         plane: &Plane<L>,
         (height, at): (L::F, V3<L>),
     ) -> u32 {
         let Bounds { size, far, .. } = *bounds;
         let off = (U * far + 2.0 * self.slack) * far * size;
-        let clear = l.splat(up(BODY_HEIGHT * off) + f32::MIN_POSITIVE);
+        let clear = l.splat(up(of_height * off) + f32::MIN_POSITIVE);
         let crosses = l.and(l.lt(clear, plane.low), l.lt(clear, l.sub(height, plane.high)));
-        let side = l.splat(up(BODY_DETERMINANT * off) + f32::MIN_POSITIVE);
+        let side = l.splat(up(of_determinant * off) + f32::MIN_POSITIVE);
         let sides = [at.dot(l, p.cross(l, q)), at.dot(l, q.cross(l, r)), at.dot(l, r.cross(l, p))];
         let low = min3(l, sides[0], sides[1], sides[2]);
         let high = max3(l, sides[0], sides[1], sides[2]);
@@ -422,9 +434,4 @@ fn min3<L: Lanes>(l: L, a: L::F, b: L::F, c: L::F) -> L::F {
 #[inline(always)]
 fn max3<L: Lanes>(l: L, a: L::F, b: L::F, c: L::F) -> L::F {
     l.max(l.max(a, b), c)
-}
-
-/// Rounded up.
-fn up(x: f64) -> f32 {
-    (x as f32).next_up()
 }

@@ -7,6 +7,13 @@ pub(super) const U: f64 = f32::EPSILON as f64 / 2.0;
 /// Unit roundoff of f64.
 pub(super) const U64: f64 = f64::EPSILON / 2.0;
 
+/// Rounded up to f32, of what is not below 0: without the branches of `next_up`, which took as long as the bounds themselves.
+/// Infinity becomes NaN, which compares with nothing and so proves as little.
+#[inline(always)]
+pub(super) fn up(x: f64) -> f32 {
+    f32::from_bits((x as f32).to_bits() + 1)
+}
+
 /// How far a face of a turned box may be from where it is computed. Unit: u·m, u of f32. Middle and
 /// half edges lose 4, the rounded matrix 1, three products and sums 4, the offset 2, the last sums
 /// 1; and what f64 loses. Smaller: parts that are missed. Larger: more pairs to compare.
@@ -44,6 +51,13 @@ pub(super) const BODY_SEPARATION: f64 = 12.1;
 /// The same in a cuboid's frame. A corner there 7.5 ([`CUBOID_CORNERS`]), a dot product 3, the reach 5, their difference
 /// 1, and 2 for the other end of an edge.
 pub(super) const CUBOID_SEPARATION: f64 = 18.6;
+
+/// The same as [`BODY_HEIGHT`] of a cuboid's farthest corner: its reach loses 64 where a vertex and its dot product lose less.
+/// Unit: u·l³. Smaller: false "touching".
+pub(super) const CUBOID_HEIGHT: f64 = 136.0;
+
+/// The same as [`BODY_DETERMINANT`], of a corner that is 10.4 off in place of 1.8. Unit: u·l³. Smaller: false "touching".
+pub(super) const CUBOID_DETERMINANT: f64 = 32.0;
 
 /// What a coordinate of a corner in a cuboid's frame may be off. Unit: u·l. The corner less the middle √3 times 2, the
 /// axis' rounding 1, the dot product 3. Smaller: false "touching".

@@ -76,18 +76,34 @@ impl<'a> Couple<'a> {
         known: Option<Depth>,
         is_good: impl Fn(&Depth) -> bool,
     ) -> Option<Depth> {
-        let known = known.filter(&is_good);
         let is_hull = self.parts().iter().any(Part::is_hull);
-        let pressed = || self.pressed().filter(&is_good);
-        // What touches has no side between.
-        let by_axes = || match self.by_axes_after(|_, _| None) {
-            Some(ByAxes::Touching(found)) => found.filter(&is_good),
-            _ => None,
-        };
-        if is_hull {
-            return pressed().or(known).or_else(by_axes);
+        // Each returned at once: handed on by one after the other they would be copied as often.
+        if is_hull
+            && let Some(found) = self.pressed()
+            && is_good(&found)
+        {
+            return Some(found);
         }
-        known.or_else(by_axes).or_else(|| self.by_nearest().filter(&is_good)).or_else(pressed)
+        if let Some(found) = known
+            && is_good(&found)
+        {
+            return Some(found);
+        }
+        // What touches has no side between.
+        if let Some(ByAxes::Touching(Some(found))) = self.by_axes_after(|_, _| None)
+            && is_good(&found)
+        {
+            return Some(found);
+        }
+        if is_hull {
+            return None;
+        }
+        if let Some(found) = self.by_nearest()
+            && is_good(&found)
+        {
+            return Some(found);
+        }
+        self.pressed().filter(is_good)
     }
 
     /// `None` of other parts, and where the bound leaves open whether they touch.

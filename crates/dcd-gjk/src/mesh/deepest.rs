@@ -197,7 +197,7 @@ impl PartPair<'_> {
     pub(crate) fn along(&self, normal: DVec3) -> Along {
         let reach = self.couple.as_ref().map(|couple| {
             let least = self.reach_along(couple, self.in_order(normal)) - couple.slack();
-            let diameters = self.diameters.get_or_init(|| couple.diameters());
+            let diameters = self.diameters.get_or_init(|| couple.diameters(couple.slack()));
             Reach { least, diameters: *diameters }
         });
         Along { reach, at_most: self.at_most() }

@@ -132,32 +132,46 @@ impl Descent<'_, '_> {
     /// The same of a mesh and one convex shape, whose box needs no tree.
     #[inline(always)]
     fn descend_one<L: Lanes>(&mut self, l: L) -> Next {
-        let Some(tree) = self.a.tree() else { return Next::Go };
+        let Parts::Mesh(mesh) = self.a.parts else { return Next::Go };
+        let tree = mesh.tree();
+        let (blocks, below, leaves) = (tree.blocks(), tree.below(), tree.leaf_count());
         let around = match &self.body {
             Some(body) => self.relative.around_body(body),
             None => self.relative.around(self.b),
         };
         self.scratch.planes.clear();
         self.scratch.stack.clear();
-        self.scratch.stack.push([self.a.root(), 0]);
         let mut count = 0;
-        while let Some([block, _]) = self.scratch.stack.pop() {
+        // Mostly one block below another: it is not put aside first.
+        let mut next = Some(tree.root() as u32);
+        loop {
+            let block = match next.take() {
+                Some(block) => block,
+                None => match self.scratch.stack.pop() {
+                    Some([block, _]) => block,
+                    None => return Next::Go,
+                },
+            };
             count += 1;
             if count == FEW {
                 self.scratch.planes.begin(self.relative, [self.a, self.b]);
             }
-            let boxes = &tree.blocks()[block as usize];
+            let boxes = &blocks[block as usize];
             let hits = self.scratch.planes.boxes(l, boxes, boxes.overlaps(l, &around));
-            if !self.a.is_leaf(block) {
-                self.push(l, [block, 0], hits);
+            if hits == 0 {
                 continue;
             }
-            if hits != 0 && self.parts_of_leaf(l, block, (self.b.below(0).0[0], hits)) == Next::Stop
-            {
+            if block as usize >= leaves {
+                match hits & (hits - 1) {
+                    0 => next = Some(below[block as usize].0[hits.trailing_zeros() as usize]),
+                    _ => self.push(l, [block, 0], hits),
+                }
+                continue;
+            }
+            if self.parts_of_leaf(l, block, (0, hits)) == Next::Stop {
                 return Next::Stop;
             }
         }
-        Next::Go
     }
 
     /// A block of each: pairs of what is below them, or, where both are leaves, pairs of parts.
@@ -316,6 +330,15 @@ impl Descent<'_, '_> {
     ) -> Decided {
         let vertices = &self.scratch.vertices;
         let mut decided = Decided::default();
+        if let (Some(body), Goal::Any) = (&self.body, &self.tally.goal)
+            && body.is_cuboid()
+        {
+            let Proved { touching, apart } = body.decide_at_once(l, (leaf, open));
+            decided = Decided { touching, apart, ..decided };
+            if self.is_enough(open, &decided) {
+                return decided;
+            }
+        }
         if let Some(body) = &self.body {
             let Proved { touching, apart } = body.decide(l, (leaf, open), vertices, at_most);
             decided = Decided { touching, apart, ..decided };

@@ -114,7 +114,7 @@ pub(crate) fn touching_triangles(
             corners: [turn * p, turn * q, turn * r],
             depth,
             at_most,
-            diameters: couple.diameters(),
+            diameters: couple.diameters(slack),
             slack,
             is_open: true,
         });

@@ -75,6 +75,8 @@ fn farthest([p, q, r]: &[DVec3; 3], direction: DVec3) -> f64 {
 
 impl<'a> Couple<'a> {
     /// `None` for parts without supports, and for sizes near the ends of the range.
+    // Made where it is kept: what is copied right after it has been written is waited for.
+    #[inline(always)]
     pub(super) fn of(parts: [Part<'a>; 2], poses: [&'a Pose; 2]) -> Option<Self> {
         let delta = poses[1].translation() - poses[0].translation();
         let mut size = delta.abs().element_sum();
@@ -135,6 +137,7 @@ impl<'a> Couple<'a> {
     }
 
     /// The cores of a triangle and of a sphere or capsule.
+    #[inline(always)]
     fn round(&self) -> Option<[PosedCore<'_>; 2]> {
         let core = |k: usize| match &self.parts[k] {
             Part::Triangle { corners, radius, .. } => {
@@ -227,9 +230,10 @@ impl<'a> Couple<'a> {
         if is_known { most } else { f64::INFINITY }
     }
 
-    /// At least the sum of the two diameters.
-    pub(super) fn diameters(&self) -> f64 {
-        self.parts.iter().map(Part::diameter).sum::<f64>() * (1.0 + REACH * U64) + self.slack()
+    /// At least the sum of the two diameters; [`Couple::slack`] is known.
+    #[inline(always)]
+    pub(super) fn diameters(&self, slack: f64) -> f64 {
+        self.parts.iter().map(Part::diameter).sum::<f64>() * (1.0 + REACH * U64) + slack
     }
 }
 
@@ -359,7 +363,7 @@ pub(super) mod tests {
                 assert!(found.depth - found.error_bound <= most, "{round}: {found:?}, {most}");
                 let sense = if order[0] == 0 { 1.0 } else { -1.0 };
                 let least = couple.along(found.normal * sense) - couple.slack();
-                let along = [least, couple.diameters()];
+                let along = [least, couple.diameters(couple.slack())];
                 assert!(along[0] <= found.depth + found.error_bound + 1e-7, "{round}: {along:?}");
                 assert!(found.depth <= along[1], "{round}: {along:?}");
                 if round % kinds.len() == 0 && most < 0.499 {

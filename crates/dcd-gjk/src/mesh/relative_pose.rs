@@ -19,8 +19,6 @@ pub(super) struct RelativePose {
     stretch: f64,
     /// How far R_Aᵀ·R_A may move a point, and what f64 loses. Metres.
     slack: f64,
-    rows: [[f32; 3]; 3],
-    offset_f32: [f32; 3],
     /// How much larger a turned box is made on each side, swept radii among it. Metres.
     margin: f32,
 }
@@ -44,16 +42,14 @@ impl RelativePose {
         let swept = (a.radius() + b.radius()) * stretch(a) * (1.0 + 8.0 * U64);
         let spheres = b.pose.deviation() * b.reach;
         let margin = (BOX * U * size + slack + spheres + swept) as f32;
-        Some(Self {
-            rotation,
-            offset,
-            size,
-            stretch: stretch(a),
-            slack,
-            rows: [0, 1, 2].map(|axis| rotation.row(axis).as_vec3().to_array()),
-            offset_f32: offset.as_vec3().to_array(),
-            margin: margin.next_up(),
-        })
+        Some(Self { rotation, offset, size, stretch: stretch(a), slack, margin: margin.next_up() })
+    }
+
+    /// The rotation's, in f32: of no use for a convex second shape, which is most.
+    #[inline(always)]
+    fn rows(&self) -> [[f32; 3]; 3] {
+        let row = |axis| self.rotation.row(axis).as_vec3().to_array();
+        [row(0), row(1), row(2)]
     }
 
     /// By how much the map to the first axes may lengthen.
@@ -75,6 +71,7 @@ impl RelativePose {
     /// nothing become NaN, which overlaps nothing.
     #[inline(always)]
     pub(super) fn place<L: Lanes>(&self, l: L, boxes: &Aabb16, placed: &mut Aabb16) {
+        let (rows, offset) = (self.rows(), self.offset.as_vec3().to_array());
         let half = l.splat(0.5);
         let mut middles = [half; 3];
         let mut halves = [half; 3];
@@ -84,10 +81,10 @@ impl RelativePose {
             halves[axis] = l.mul(half, l.sub(max, min));
         }
         for axis in 0..3 {
-            let mut middle = l.splat(self.offset_f32[axis]);
+            let mut middle = l.splat(offset[axis]);
             let mut reach = l.splat(self.margin);
             for k in 0..3 {
-                let entry = self.rows[axis][k];
+                let entry = rows[axis][k];
                 middle = l.mul_add(l.splat(entry), middles[k], middle);
                 reach = l.mul_add(l.splat(entry.abs()), halves[k], reach);
             }
@@ -123,7 +120,7 @@ impl RelativePose {
     pub(super) fn turn<L: Lanes>(&self, l: L, corners: &Block, turned: &mut Block) {
         let [x, y, z] = &corners.0;
         let (x, y, z) = (l.load(x), l.load(y), l.load(z));
-        for (row, out) in self.rows.iter().zip(&mut turned.0) {
+        for (row, out) in self.rows().iter().zip(&mut turned.0) {
             let along = l.mul(l.splat(row[0]), x);
             let along = l.mul_add(l.splat(row[1]), y, along);
             l.store(l.mul_add(l.splat(row[2]), z, along), out);

@@ -38,14 +38,9 @@ pub(super) enum Part<'a> {
 impl<'a> Side<'a> {
     #[inline(always)]
     pub(super) fn of(placed: PosedShape<'a>) -> Self {
-        let corner = |tree: &PartTree| {
-            let Aabb { min, max } = tree.aabb();
-            // Squares and sums lose 3u; 8u cover them.
-            min.abs().max(max.abs()).as_dvec3().length() * (1.0 + 8.0 * super::bounds::U64)
-        };
         let (parts, reach) = match placed.shape {
-            Shape::Compound(compound) => (Parts::Compound(compound), corner(compound.tree())),
-            Shape::Mesh(mesh) => (Parts::Mesh(mesh), corner(mesh.tree()) + mesh.swept_radius()),
+            Shape::Compound(compound) => (Parts::Compound(compound), compound.tree().reach()),
+            Shape::Mesh(mesh) => (Parts::Mesh(mesh), mesh.tree().reach() + mesh.swept_radius()),
             convex => (Parts::One(convex), convex.reach()),
         };
         Self { parts, pose: placed.pose, reach }

@@ -1,6 +1,7 @@
 //! The search against exact brute force over all pairs of parts.
 
 mod at_f32;
+mod at_once;
 mod measures;
 
 use super::{Scratch, overlap, overlap_on, touching};

@@ -166,10 +166,10 @@ impl<'a> OpenTriangles<'a> {
 
     /// The same from what is known; a triangle that may be deeper is an error.
     fn deepest_known(&mut self) -> Result<(usize, Depth), usize> {
-        let mut lead: Option<(usize, Depth)> = None;
+        let mut lead: Option<(usize, &Depth)> = None;
         let (mut upper, mut unknown) = (0.0f64, (f64::NEG_INFINITY, 0));
         for (k, triangle) in self.open() {
-            match triangle.depth {
+            match &triangle.depth {
                 Some(depth) => {
                     upper = upper.max(depth.depth + depth.error_bound);
                     if lead.is_none_or(|(_, most)| depth.depth > most.depth) {
@@ -180,7 +180,7 @@ impl<'a> OpenTriangles<'a> {
                 None => {}
             }
         }
-        let (k, most) = lead.ok_or(unknown.1)?;
+        let (k, most) = lead.map(|(k, most)| (k, *most)).ok_or(unknown.1)?;
         if unknown.0 > f64::NEG_INFINITY {
             upper = upper.max(self.most_of_unknown(&most)?);
         }

@@ -1,12 +1,40 @@
 //! A cuboid against sixteen triangles by their thirteen axes (docs/numerics/proofs.md, "Parts").
 
-use super::{Body, Bounds, Proved, max3, min3, splat, up};
-use crate::mesh::bounds::{CUBOID_CORNERS, U};
+use super::{Body, Bounds, Plane, Proved, max3, min3, splat};
+use crate::mesh::bounds::{CUBOID_CORNERS, CUBOID_DETERMINANT, CUBOID_HEIGHT, U, up};
 use crate::simd::vector::V3;
 use dcd_geom::glam::Vec3;
 use dcd_simd::{Lanes, Row};
 
 impl Body {
+    /// A cuboid, by the triangle's normal, and whether the line from its middle to its farthest corner goes through the
+    /// triangle.
+    #[inline(always)]
+    pub(super) fn by_farthest_corner<L: Lanes>(
+        &self,
+        l: L,
+        bounds: &Bounds,
+        corners: [V3<L>; 3],
+        (axes, half): ([Vec3; 3], Vec3),
+        open: u32,
+    ) -> Proved {
+        let plane = Plane::of(l, corners);
+        let zero = l.splat(0.0);
+        let (mut most, mut at) = (zero, V3(zero, zero, zero));
+        for (axis, half) in axes.into_iter().zip(half.to_array()) {
+            let (axis, half) = (splat(l, axis), l.splat(half));
+            let along = plane.normal.dot(l, axis);
+            most = l.mul_add(l.abs(along), half, most);
+            at = at.plus(l, l.select(l.lt(along, zero), l.neg(half), half), axis);
+        }
+        let apart = open & bounds.beyond(l, l.sub(plane.low, most), plane.normal);
+        if apart == open {
+            return Proved { touching: 0, apart };
+        }
+        let lost = [CUBOID_HEIGHT, CUBOID_DETERMINANT];
+        Proved { touching: self.pierced(l, (bounds, lost), corners, &plane, (most, at)), apart }
+    }
+
     /// A cuboid, by its three axes, the triangle's normal and the nine products of edges.
     #[inline(always)]
     pub(super) fn by_axes<L: Lanes>(

@@ -243,9 +243,9 @@ impl<'a> Patches<'a> {
                     let whole = corners.add_triangle(view, how, &triangle.corners, &facing)?;
                     features = if is_lead { whole } else { features };
                 }
-                let witness = if is_lead { Some(*lead.depth) } else { triangle.depth };
+                let witness = if is_lead { Some(lead.depth) } else { triangle.depth.as_ref() };
                 if let Some(witness) = witness.filter(|_| is_alike && corners.len() == before) {
-                    corners.add_witness(view, &witness, mesh.pose.translation());
+                    corners.add_witness(view, witness, mesh.pose.translation());
                 }
                 corners.are_of(number as u32, before);
             }

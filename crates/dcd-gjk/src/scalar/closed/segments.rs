@@ -156,6 +156,8 @@ fn size_of(a: PosedCore<'_>, b: PosedCore<'_>) -> f64 {
 }
 
 impl<'a> Proposal<'a> {
+    // Made where it is kept: what is copied right after it has been written is waited for.
+    #[inline(always)]
     fn of(a: PosedCore<'a>, b: PosedCore<'a>) -> Option<Self> {
         let delta = a.pose.translation() - b.pose.translation();
         let radius = a.radius + b.radius;
@@ -208,6 +210,7 @@ impl<'a> Proposal<'a> {
         SIZES.contains(&size).then(|| Self::at(a, b, points, size))
     }
 
+    #[inline(always)]
     fn at(a: PosedCore<'a>, b: PosedCore<'a>, points: [DVec3; 2], size: f64) -> Self {
         let delta = a.pose.translation() - b.pose.translation();
         let radius = a.radius + b.radius;
