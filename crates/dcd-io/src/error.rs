@@ -243,7 +243,7 @@ impl fmt::Display for ReadError {
             Self::InFile { path, error } => write!(f, "{}: {error}", shown(path)),
             Self::Truncated { what, index, at, needed, left } => write!(
                 f,
-                "the {what} of record {index} take {needed} bytes from byte {at} on, but {left} \
+                "from byte {at} on {needed} bytes are needed for the {what} of record {index}, but {left} \
                  are left"
             ),
             Self::Oversized { at, left } => {
