@@ -1,6 +1,6 @@
 //! (a, b) and (b, a) at places where much is equally near or deep: rounded shapes along the world's axes on a lattice.
 
-use super::scenes::Draw;
+use super::scenes::{Draw, all_pairs, in_both_orders};
 use super::within::found;
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Object, Pair, Pose, Scene, Shape};
@@ -34,8 +34,7 @@ fn scenes(draw: &mut Draw) -> [Scene; 2] {
             Object::new(k % shapes.len() as u32, Pose::new(turn, place).unwrap())
         })
         .collect();
-    let reversed: Vec<_> = objects.iter().rev().copied().collect();
-    [objects, reversed].map(|objects| Scene::new(shapes.clone(), objects).unwrap())
+    in_both_orders(shapes, objects)
 }
 
 /// Every contact of the scene beside that of the other, except for equal objects at one place: there both orders are one.
@@ -58,8 +57,7 @@ fn beside<'a, A>(
 #[test]
 fn depths_manifolds_and_distances_on_a_lattice_are_mirrored() {
     let mut draw = Draw::seeded(8);
-    let pairs: Vec<_> =
-        (0..OBJECTS).flat_map(|i| (i + 1..OBJECTS).map(move |j| Pair::new(i, j))).collect();
+    let pairs = all_pairs(OBJECTS);
     let mut counts = [0; 3];
     for round in 0..24 {
         let scenes = scenes(&mut draw);

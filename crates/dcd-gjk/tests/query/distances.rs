@@ -1,6 +1,6 @@
 //! How far apart.
 
-use super::scenes::{Draw, pile, shapes};
+use super::scenes::{Draw, all_pairs, in_both_orders, pile, shapes};
 use super::within::found;
 use super::{PosedSupport, answer_of, solve};
 use dcd_geom::glam::{DQuat, DVec2, DVec3};
@@ -224,12 +224,8 @@ fn both_orders_choose_alike_among_vertices_at_right_angles_to_a_direction() {
         let place = DVec3::new(draw.unit() * 2.0, draw.unit() * 2.0, f64::from(k / 4 % 3) * 0.25);
         dcd_geom::Object::new(k % 3, Pose::new(turn, place).unwrap())
     };
-    let objects: Vec<_> = (0..60).map(object).collect();
-    let reversed: Vec<_> = objects.iter().rev().copied().collect();
-    let scene = dcd_geom::Scene::new(shapes.clone(), objects).unwrap();
-    let mirrored = dcd_geom::Scene::new(shapes, reversed).unwrap();
-    let pairs: Vec<_> =
-        (0..60).flat_map(|i| (i + 1..60).map(move |j| dcd_geom::Pair::new(i, j))).collect();
+    let [scene, mirrored] = in_both_orders(shapes, (0..60).map(object).collect());
+    let pairs = all_pairs(60);
     for accuracy in ACCURACIES {
         let lanes = SimdDistances::within(1.0, accuracy).unwrap();
         let (all, seen) = (found(&lanes, &scene, &pairs).0, found(&lanes, &mirrored, &pairs).0);
@@ -247,12 +243,8 @@ fn the_lanes_agree_on_both_orders_and_whatever_the_other_pairs() {
         let pose = Pose::new(draw.turn(), draw.vector() * 2.5).unwrap();
         dcd_geom::Object::new(k % kinds, pose)
     };
-    let objects: Vec<_> = (0..60).map(|k| object(k, &mut draw)).collect();
-    let reversed: Vec<_> = objects.iter().rev().copied().collect();
-    let scene = dcd_geom::Scene::new(shapes.clone(), objects).unwrap();
-    let mirrored = dcd_geom::Scene::new(shapes, reversed).unwrap();
-    let pairs: Vec<_> =
-        (0..60).flat_map(|i| (i + 1..60).map(move |j| dcd_geom::Pair::new(i, j))).collect();
+    let [scene, mirrored] = in_both_orders(shapes, (0..60).map(|k| object(k, &mut draw)).collect());
+    let pairs = all_pairs(60);
     for accuracy in ACCURACIES {
         let lanes = SimdDistances::within(0.7, accuracy).unwrap();
         let (all, _) = found(&lanes, &scene, &pairs);
@@ -283,11 +275,9 @@ fn cuboids(others: &[Shape]) -> (dcd_geom::Scene, dcd_geom::Scene, Vec<dcd_geom:
         };
         dcd_geom::Object::new(k % 5, Pose::new(turn, draw.vector() * 1.6).unwrap())
     };
-    let objects: Vec<_> = (0..90).map(|k| object(k, &mut draw)).collect();
-    let reversed: Vec<_> = objects.iter().rev().copied().collect();
-    let pairs = (0..90).flat_map(|i| (i + 1..90).map(move |j| dcd_geom::Pair::new(i, j)));
-    let scene = dcd_geom::Scene::new(shapes.clone(), objects).unwrap();
-    (scene, dcd_geom::Scene::new(shapes, reversed).unwrap(), pairs.collect())
+    let objects = (0..90).map(|k| object(k, &mut draw)).collect();
+    let [scene, mirrored] = in_both_orders(shapes, objects);
+    (scene, mirrored, all_pairs(90))
 }
 
 #[test]

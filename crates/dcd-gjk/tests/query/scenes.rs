@@ -56,6 +56,16 @@ pub(crate) fn pile(shapes: Vec<Shape>, objects: u32) -> (Scene, Vec<Pair>) {
         Object::new(k % kinds, pose)
     };
     let scene = Scene::new(shapes, (0..objects).map(object).collect::<Vec<_>>()).unwrap();
-    let pairs = (0..objects).flat_map(|i| (i + 1..objects).map(move |j| Pair::new(i, j)));
-    (scene, pairs.collect())
+    (scene, all_pairs(objects))
+}
+
+/// The scene of those objects, and that of the same in the reverse order: of n objects the pair (i, j) is (n − 1 − j, n − 1 − i) there.
+pub(crate) fn in_both_orders(shapes: Vec<Shape>, objects: Vec<Object>) -> [Scene; 2] {
+    let reversed = objects.iter().rev().copied().collect();
+    [objects, reversed].map(|objects: Vec<_>| Scene::new(shapes.clone(), objects).unwrap())
+}
+
+/// Every pair of so many objects.
+pub(crate) fn all_pairs(objects: u32) -> Vec<Pair> {
+    (0..objects).flat_map(|i| (i + 1..objects).map(move |j| Pair::new(i, j))).collect()
 }
