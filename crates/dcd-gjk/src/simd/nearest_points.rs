@@ -7,8 +7,8 @@ use super::first_stages::{Entry, Place, Resolved};
 use super::frame::FramePair;
 use super::obb::{self, ObbPairs};
 use super::packet::{
-    AFTER_NEAREST, AFTER_SPHERES, CORNER_BITS, Corner, LanesOf, Number, PacketQueue, PairPacket,
-    Vector, Whole,
+    AFTER_NEAREST, AFTER_SPHERES, Corner, LanesOf, Number, PacketQueue, PairPacket, Vector, Whole,
+    corner_of_vertices,
 };
 use super::portal::{ROUNDS, portal_holds_origin};
 use super::simplex::{Nearest, Vertex, radii_reach};
@@ -296,17 +296,8 @@ fn support<L: Lanes>(
     packet: &PairPacket,
     (direction, used): (V3<L>, usize),
 ) -> Vertex<L> {
-    let (point, [a, b]) = at.farthest_numbered(l, packet, direction, used);
-    let scale = l.splat((1u32 << CORNER_BITS) as f32);
-    Vertex { at: point, corner: l.add(float(l, a), l.mul(float(l, b), scale)) }
-}
-
-/// A vertex's number as a float: the lowest bits of 2²³ + n are n.
-#[inline(always)]
-fn float<L: Lanes>(l: L, number: L::U) -> L::F {
-    let base = l.splat((1u32 << (f32::MANTISSA_DIGITS - 1)) as f32);
-    let low = l.splat_u((1 << CORNER_BITS) - 1);
-    l.sub(l.tag(base, low, number), base)
+    let (point, vertices) = at.farthest_numbered(l, packet, direction, used);
+    Vertex { at: point, corner: corner_of_vertices(l, vertices) }
 }
 
 /// Evaluates the support against an axis: raises the lower bound of the distance, and returns whether it proves that the

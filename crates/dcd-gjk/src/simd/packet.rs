@@ -116,7 +116,29 @@ pub(super) enum Vector {
 }
 
 /// How many bits a vertex's number has at most; two of them fit into the 24 of an f32.
-pub(super) const CORNER_BITS: u32 = 12;
+const CORNER_BITS: u32 = 12;
+
+/// A [`Corner`] of the vertices of those numbers in a and in b.
+#[inline(always)]
+pub(super) fn corner_of_vertices<L: Lanes>(l: L, [a, b]: [L::U; 2]) -> L::F {
+    let scale = l.splat((1u32 << CORNER_BITS) as f32);
+    l.add(float(l, a), l.mul(float(l, b), scale))
+}
+
+/// A vertex's number as a float: the lowest bits of 2²³ + n are n.
+#[inline(always)]
+fn float<L: Lanes>(l: L, number: L::U) -> L::F {
+    let base = l.splat((1u32 << (f32::MANTISSA_DIGITS - 1)) as f32);
+    let low = l.splat_u((1 << CORNER_BITS) - 1);
+    l.sub(l.tag(base, low, number), base)
+}
+
+/// The vertices' numbers in a and in b of a [`Corner`].
+#[inline(always)]
+pub(super) fn vertices_of_corner(corner: f32) -> [u32; 2] {
+    let both = corner as u32;
+    [both % (1 << CORNER_BITS), both >> CORNER_BITS]
+}
 
 impl PairPacket {
     #[inline(always)]
@@ -159,8 +181,7 @@ impl PairPacket {
 
     /// One lane's corner: the vertices' numbers in a and in b.
     pub(super) fn corner_of(&self, lane: usize, which: Corner) -> [u32; 2] {
-        let both = self.rows[which as usize].0[lane] as u32;
-        [both % (1 << CORNER_BITS), both >> CORNER_BITS]
+        vertices_of_corner(self.rows[which as usize].0[lane])
     }
 
     #[inline(always)]

@@ -89,7 +89,7 @@ impl<L: Lanes> Vertex<L> {
     }
 
     #[inline(always)]
-    fn select(l: L, mask: L::M, yes: Self, no: Self) -> Self {
+    pub(super) fn select(l: L, mask: L::M, yes: Self, no: Self) -> Self {
         let corner = l.select(mask, yes.corner, no.corner);
         Self { at: V3::select(l, mask, yes.at, no.at), corner }
     }

@@ -9,6 +9,7 @@ mod apart;
 mod confirm;
 mod formulas;
 mod left;
+mod proposed;
 mod search;
 mod searched;
 mod start;
@@ -19,6 +20,7 @@ use super::closed::{depths as of_cuboids, patches};
 use super::frame::{FramePair, SimdFrame};
 use super::scene_pairs::ScenePairs;
 use super::spheres;
+use super::support::SupportScratch;
 use super::touching_parts::Wanted;
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, Axes};
@@ -35,6 +37,7 @@ use dcd_geom::{Aabb, List, Pair, Scene};
 use dcd_simd::{ArrayVec, Kernel, Lanes, Path, dispatch_on};
 use formulas::{BySpheres, Sort, WritePatches};
 use left::Left;
+use proposed::{Propose, Triangle};
 use search::{DepthSearch, Next};
 use searched::Searched;
 use start::Starts;
@@ -101,6 +104,8 @@ struct TouchingScratch {
     cuboids: Vec<u32>,
     searched: Searched,
     apart: ApartCores,
+    proposals: Vec<Option<Triangle>>,
+    support_scratch: SupportScratch,
 }
 
 impl<S: MeasureDepth> SimdDepths<S> {
@@ -111,8 +116,17 @@ impl<S: MeasureDepth> SimdDepths<S> {
         scratch: &mut TouchingScratch,
         mut answers: Answers<'_, S>,
     ) {
-        let TouchingScratch { surfaces, starts, of_cuboids, patches, cuboids, searched, apart } =
-            scratch;
+        let TouchingScratch {
+            surfaces,
+            starts,
+            of_cuboids,
+            patches,
+            cuboids,
+            searched,
+            apart,
+            proposals,
+            support_scratch,
+        } = scratch;
         let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
         let sort = Sort { objects, accuracy, of_cuboids, cuboids, searched, apart, answers };
         dispatch_on(self.path, sort);
@@ -141,6 +155,10 @@ impl<S: MeasureDepth> SimdDepths<S> {
         searched.end(objects.pairs);
         if !searched.pairs.is_empty() {
             starts.begin();
+            dispatch_on(
+                self.path,
+                Propose::of(frames, &searched.pairs, support_scratch, proposals),
+            );
             let reads_facets = S::READS_FACETS;
             let looks_ahead = !objects.have_few_shapes();
             let apart_numbers = apart.begin();
@@ -150,6 +168,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
                 place: 0,
                 accuracy,
                 starts,
+                proposals,
                 surfaces,
                 apart: apart_numbers,
                 reads_facets,
@@ -299,6 +318,8 @@ struct SearchPairs<'a> {
     accuracy: Accuracy,
     surfaces: &'a mut [Surface; SEATS],
     starts: &'a mut Starts,
+    /// What of each the search starts with, if something is proposed.
+    proposals: &'a [Option<Triangle>],
     /// The numbers of the swept pairs whose cores do not overlap, as far as f32 knows.
     apart: &'a mut Vec<u32>,
     /// Whether the facets of a pair are read where its answer is written.
@@ -397,15 +418,31 @@ impl<'a> SearchPairs<'a> {
             if let Some(searched) = SearchedPair::of(sides, self.accuracy) {
                 let accuracy = searched.sharpened(self.accuracy);
                 let mut search = DepthSearch::new(&searched.cloud, accuracy);
-                let is_second = !frames.is_one();
-                let of_a = self.starts.of(l, (pair.i, false), sides[0].blocks);
-                let of_b = self.starts.of(l, (pair.j, is_second), sides[1].blocks);
-                let extremes = searched.in_order([&of_a, &of_b]);
-                search.start(l, &searched.cloud, extremes, &mut self.surfaces[seat]);
+                if !self.start_proposed(l, (&searched, place), (&mut search, seat)) {
+                    let is_second = !frames.is_one();
+                    let of_a = self.starts.of(l, (pair.i, false), sides[0].blocks);
+                    let of_b = self.starts.of(l, (pair.j, is_second), sides[1].blocks);
+                    let extremes = searched.in_order([&of_a, &of_b]);
+                    search.start(l, &searched.cloud, extremes, &mut self.surfaces[seat]);
+                }
                 return Some(Seat { number, pair: searched, search, point: Point::default() });
             }
             self.answers.write(number, None);
         }
+    }
+
+    /// Starts from the triangle that is proposed for the pair in that place; false where there is none, or a flat one.
+    #[inline(always)]
+    fn start_proposed<L: Lanes>(
+        &mut self,
+        l: L,
+        (searched, place): (&SearchedPair<'_>, usize),
+        (search, seat): (&mut DepthSearch, usize),
+    ) -> bool {
+        let Some(Some(corners)) = self.proposals.get(place) else { return false };
+        let [p, q, r] = *corners;
+        let triangle = [searched.in_order(p), searched.in_order(q), searched.in_order(r)];
+        search.start_proposed(l, &searched.cloud, triangle, &mut self.surfaces[seat])
     }
 }
 

@@ -126,6 +126,35 @@ impl DepthSearch {
         }
     }
 
+    /// Starts with a tetrahedron, of a triangle of points of A − B and what is farthest from it on the origin's side; false where
+    /// that is flat. The triangle may be any.
+    #[inline(always)]
+    pub(super) fn start_proposed<L: Lanes>(
+        &mut self,
+        l: L,
+        cloud: &Cloud<'_>,
+        triangle: [[u32; 2]; 3],
+        surface: &mut Surface,
+    ) -> bool {
+        let [p, mut q, mut r] = triangle.map(|vertices| {
+            let [a, b] = vertices.map(|number| number as usize);
+            let apart = vertex(cloud.blocks[0], a) - vertex(cloud.blocks[1], b);
+            Point { at: apart * cloud.scale + cloud.middle, vertices }
+        });
+        let mut inward = (q.at - p.at).cross(r.at - p.at);
+        if inward.dot(p.at) > 0.0 {
+            (q, r) = (r, q);
+            inward = -inward;
+        }
+        let apex = cloud.farthest(l, inward);
+        let height = inward.dot(apex.at - p.at);
+        if !(height > FAT * inward.length()) || surface.start(l, [p, q, r, apex]).is_none() {
+            return false;
+        }
+        self.look_beyond(surface, surface.nearest(l));
+        true
+    }
+
     /// The next support is the one beyond the nearest face.
     #[inline(always)]
     fn look_beyond(&mut self, surface: &Surface, nearest: usize) {
