@@ -325,7 +325,8 @@ impl<'a> EdgeSearch<'a> {
 
     /// Finds what spheres prove on all of the path, where some distance is known.
     fn slice_all(&mut self) {
-        if self.nearest.is_finite()
+        if self.nearest > 0.0
+            && self.nearest.is_finite()
             && let Some(slices) = self.slice(1.0, self.nearest)
         {
             self.slices = slices;
