@@ -72,7 +72,7 @@ impl PartTree {
         self.blocks.len().saturating_sub(1)
     }
 
-    /// At least how far from the frame's origin every part's AABB is, metres.
+    /// No part's AABB has a point farther from the frame's origin, metres.
     pub fn reach(&self) -> f64 {
         self.reach
     }

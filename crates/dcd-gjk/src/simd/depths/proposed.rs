@@ -71,8 +71,8 @@ impl Kernel for Propose<'_> {
     }
 }
 
-/// Up to sixteen pairs, each in the one order in which c, from the first object's centre back to the other's, is positive, so that both
-/// orders propose alike.
+/// Up to sixteen pairs. c leads from the second object's centre to the first's; each pair is taken in the order in which the first
+/// coordinate of c that is not 0 is positive, so that (a, b) and (b, a) propose alike.
 struct Sixteen<L: Lanes> {
     a: IndexRow,
     b: IndexRow,
@@ -121,7 +121,7 @@ impl Propose<'_> {
         Sixteen { a, b, c, order, size, used: numbers.len() }
     }
 
-    /// A point of the difference farthest along a direction, from its centre's origin.
+    /// The point of the difference, in that order, that is farthest along a direction.
     #[inline(always)]
     fn farthest<L: Lanes>(&mut self, l: L, of: &Sixteen<L>, direction: V3<L>) -> Vertex<L> {
         let zero = l.splat(0.0);
