@@ -44,6 +44,13 @@ impl<'a> ScenePairs<'a> {
         [PosedShape::of(a, pair.i), PosedShape::of(b, pair.j)]
     }
 
+    /// The vertices of two polytopes by their places in the blocks, the last of which is filled up with the last vertex.
+    #[inline(always)]
+    pub(super) fn vertices(&self, pair: Pair, [in_a, in_b]: [u32; 2]) -> Option<[u32; 2]> {
+        let [a, b] = self.scenes;
+        Some([vertex(a, pair.i, in_a)?, vertex(b, pair.j, in_b)?])
+    }
+
     /// Prefetches where the shapes are of the pairs behind one of that number, and then what is there.
     #[inline(always)]
     pub(super) fn look_ahead_to_shapes(&self, number: usize) {
@@ -136,6 +143,13 @@ impl<'a> ScenePairs<'a> {
         prefetch_triangles(of_a, pair.i, parts.iter().map(|part| part[0]));
         prefetch_triangles(of_b, pair.j, parts.iter().map(|part| part[1]));
     }
+}
+
+/// See [`ScenePairs::vertices`].
+#[inline(always)]
+fn vertex(scene: &Scene, object: u32, place: u32) -> Option<u32> {
+    let polytope = scene.shape(object as usize).as_polytope()?;
+    Some(place.min((polytope.vertices().len() as u32).checked_sub(1)?))
 }
 
 /// How many triangles of a mesh are prefetched for a pair. No effect on any result.

@@ -46,6 +46,33 @@ pub(super) fn supports<L: Lanes>(
     (V3::load(l, &support_scratch.points), l.load_u(&support_scratch.numbers))
 }
 
+/// For each of the first `used` lanes, how far that lane's object reaches along its direction, of its rotated vertices, up to
+/// rounding alone; other lanes are unspecified.
+#[inline(always)]
+pub(super) fn reaches<L: Lanes>(
+    l: L,
+    frame: &SimdFrame,
+    support_scratch: &mut SupportScratch,
+    (objects, directions): (&IndexRow, V3<L>),
+    used: usize,
+) -> L::F {
+    let mut d = [Row::default(); 3];
+    directions.store(l, &mut d);
+    let (records, all) = (frame.records(), frame.blocks());
+    for k in 0..used.min(WIDTH) {
+        let record = &records[objects.0[k] as usize];
+        let d = V3::<L>(l.splat(d[0].0[k]), l.splat(d[1].0[k]), l.splat(d[2].0[k]));
+        let own = &all[record.first as usize..][..usize::from(record.blocks)];
+        let Some((block, rest)) = own.split_first() else { continue };
+        let mut best = V3::load(l, &block.0).dot(l, d);
+        for block in rest {
+            best = l.max(best, V3::load(l, &block.0).dot(l, d));
+        }
+        l.store(best, &mut support_scratch.along[k]);
+    }
+    l.largest_of_each(&support_scratch.along)
+}
+
 /// [`supports`], compiled once a path: every stage needs it, and it is most of what a stage would take to compile.
 struct Supports<'a> {
     frame: &'a SimdFrame,

@@ -24,7 +24,7 @@ const MOST: usize = 8;
 
 /// A bound of f32 above this, relative to the pair's size, is too wide: the pair is measured in f64. No unit. Larger:
 /// worse bounds. Smaller: more pairs take microseconds.
-const WORST: f64 = 8e-6;
+pub(super) const WORST: f64 = 8e-6;
 
 /// What the f64 arithmetic of a depth may be off by. Unit: 2⁻⁵³ of the pair's size. Weights 8, the rotations 12 for each
 /// shape, differences and the product with the normal 8; and a margin.

@@ -9,6 +9,7 @@ mod apart;
 mod confirm;
 mod formulas;
 mod left;
+mod nearest_face;
 mod proposed;
 mod search;
 mod searched;
@@ -37,7 +38,8 @@ use dcd_geom::{Aabb, List, Pair, Scene};
 use dcd_simd::{ArrayVec, Kernel, Lanes, Path, dispatch_on};
 use formulas::{BySpheres, Sort, WritePatches};
 use left::Left;
-use proposed::{Propose, Triangle};
+use nearest_face::WriteFaces;
+use proposed::{Proposal, Propose};
 use search::{DepthSearch, Next};
 use searched::Searched;
 use start::Starts;
@@ -104,7 +106,7 @@ struct TouchingScratch {
     cuboids: Vec<u32>,
     searched: Searched,
     apart: ApartCores,
-    proposals: Vec<Option<Triangle>>,
+    proposals: Vec<Option<Proposal>>,
     support_scratch: SupportScratch,
 }
 
@@ -154,12 +156,13 @@ impl<S: MeasureDepth> SimdDepths<S> {
         });
         searched.end(objects.pairs);
         if !searched.pairs.is_empty() {
-            starts.begin();
-            dispatch_on(
-                self.path,
-                Propose::of(frames, &searched.pairs, support_scratch, proposals),
-            );
+            let proves = accuracy == Accuracy::F32;
+            let of_pairs = (&*searched.pairs, proves);
+            dispatch_on(self.path, Propose::of(frames, of_pairs, support_scratch, proposals));
             let reads_facets = S::READS_FACETS;
+            let write = WriteFaces { objects, reads_facets, searched, proposals, answers };
+            write.write_on(self.path);
+            starts.begin();
             let looks_ahead = !objects.have_few_shapes();
             let apart_numbers = apart.begin();
             let search = SearchPairs {
@@ -319,7 +322,7 @@ struct SearchPairs<'a> {
     surfaces: &'a mut [Surface; SEATS],
     starts: &'a mut Starts,
     /// What of each the search starts with, if something is proposed.
-    proposals: &'a [Option<Triangle>],
+    proposals: &'a [Option<Proposal>],
     /// The numbers of the swept pairs whose cores do not overlap, as far as f32 knows.
     apart: &'a mut Vec<u32>,
     /// Whether the facets of a pair are read where its answer is written.
@@ -439,8 +442,8 @@ impl<'a> SearchPairs<'a> {
         (searched, place): (&SearchedPair<'_>, usize),
         (search, seat): (&mut DepthSearch, usize),
     ) -> bool {
-        let Some(Some(corners)) = self.proposals.get(place) else { return false };
-        let [p, q, r] = *corners;
+        let Some(Some(proposal)) = self.proposals.get(place) else { return false };
+        let [p, q, r] = proposal.triangle;
         let triangle = [searched.in_order(p), searched.in_order(q), searched.in_order(r)];
         search.start_proposed(l, &searched.cloud, triangle, &mut self.surfaces[seat])
     }

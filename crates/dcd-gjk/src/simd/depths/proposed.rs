@@ -1,27 +1,41 @@
 //! Where the search of a depth starts: a triangle by which the ray from the centre of A − B through the origin leaves it, sixteen
 //! pairs at a time.
 //!
-//! Of a pair that is not deep it is nearly always the face that is nearest to the origin: what the search would find last. It is
-//! proposed and no more: nothing is proved of it, and the search goes on from any triangle.
+//! Of a pair that is not deep it is nearly always the face that is nearest to the origin: what the search would find last. Where
+//! that is [proved](NearestFace), nothing is left to search; else the search goes on from it, as it does from any triangle.
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 use super::super::bounds::U;
-use super::super::frame::FramePair;
+use super::super::frame::{FramePair, Record, WHOLE};
 use super::super::packet::{LanesOf, corner_of_vertices, vertices_of_corner};
 use super::super::simplex::Vertex;
-use super::super::support::{SupportScratch, supports};
+use super::super::support::{SupportScratch, reaches, supports};
 use super::super::vector::V3;
+use super::nearest_face::{Enclosed, NearestFace};
 use dcd_geom::Pair;
+use dcd_geom::glam::Vec3;
 use dcd_simd::{IndexRow, Kernel, Lanes, Row, Unfused, WIDTH};
 
 /// Three points of A − B: for each the numbers of its vertices in a and in b.
 pub(super) type Triangle = [[u32; 2]; 3];
 
-/// Supports of a pair beyond the first two: most portals lie in a face by then. Fewer: triangles that are not the nearest. More:
-/// slow lanes hold up the others, and deep pairs gain nothing by theirs.
-const ROUNDS: usize = 4;
+/// What is proposed for a pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Proposal {
+    pub(super) triangle: Triangle,
+    /// What is known of it if it is proved to lie in the face that is nearest to the origin.
+    pub(super) nearest: Option<NearestFace>,
+}
+
+/// Supports of a pair beyond the first two, of any and of one that is not [deep](DEEP): most portals lie in a face by then. Fewer:
+/// triangles that are not the nearest, or not known to be. More: slow lanes hold up the others, and deep pairs gain nothing by theirs.
+const ROUNDS: [usize; 2] = [4, 6];
+
+/// A pair is deep where the origin is farther before a portal than this part of the way from the centre to it: of one in fifty
+/// of these is the portal the nearest face. No unit. Decides where a portal ends, never an answer.
+const DEEP: f32 = 0.2;
 
 /// How much farther a support must be for it to be another. Unit: u times the sum of the outer radii. Decides where a portal ends,
 /// never an answer.
@@ -31,19 +45,21 @@ const CLOSE: f32 = 16.0;
 pub(super) struct Propose<'a> {
     frames: FramePair<'a>,
     pairs: &'a [Pair],
+    /// Whether it is tried to prove that what is proposed is the nearest.
+    proves: bool,
     scratch: &'a mut SupportScratch,
-    found: &'a mut Vec<Option<Triangle>>,
+    found: &'a mut Vec<Option<Proposal>>,
 }
 
 impl<'a> Propose<'a> {
     /// All paths propose the same.
     pub(super) fn of(
         frames: FramePair<'a>,
-        pairs: &'a [Pair],
+        (pairs, proves): (&'a [Pair], bool),
         scratch: &'a mut SupportScratch,
-        found: &'a mut Vec<Option<Triangle>>,
+        found: &'a mut Vec<Option<Proposal>>,
     ) -> Unfused<Self> {
-        Unfused(Self { frames, pairs, scratch, found })
+        Unfused(Self { frames, pairs, proves, scratch, found })
     }
 }
 
@@ -79,24 +95,45 @@ struct Sixteen<L: Lanes> {
     c: V3<L>,
     /// 1 where that order is (a, b), −1 where it is (b, a).
     order: L::F,
+    /// The sum of the radii of spheres that hold the cores: metres.
     size: L::F,
     used: usize,
 }
 
-impl Propose<'_> {
-    /// From the centre of b to that of a.
+impl<L: Lanes> Sixteen<L> {
+    /// The directions in which A and B are farthest where A − B, in that order, is farthest in this one.
     #[inline(always)]
-    fn between(&self, pair: Pair) -> [f32; 3] {
-        let (a, b) = (self.frames.a.record(pair.i), self.frames.b.record(pair.j));
-        [0, 1, 2].map(|axis| (a.centre[axis] - b.centre[axis]) as f32)
+    fn directions(&self, l: L, direction: V3<L>) -> (V3<L>, V3<L>) {
+        let zero = l.splat(0.0);
+        let d = V3(zero, zero, zero).plus(l, self.order, direction);
+        (d, d.neg(l))
+    }
+}
+
+/// From the centre of b to that of a.
+#[inline(always)]
+pub(super) fn between([a, b]: [&Record; 2]) -> [f32; 3] {
+    [0, 1, 2].map(|axis| (a.centre[axis] - b.centre[axis]) as f32)
+}
+
+/// Whether a pair is taken as (b, a).
+#[inline(always)]
+pub(super) fn is_exchanged(between: [f32; 3]) -> bool {
+    between < [0.0; 3]
+}
+
+impl<'a> Propose<'a> {
+    #[inline(always)]
+    fn records(&self, pair: Pair) -> [&'a Record; 2] {
+        [self.frames.a.record(pair.i), self.frames.b.record(pair.j)]
     }
 
     /// Whether the centres are farther apart than the spheres inside both reach: other pairs are deep. Swept ones may have cores that
     /// do not overlap.
     #[inline(always)]
     fn is_worth_it(&self, pair: Pair) -> bool {
-        let (a, b) = (self.frames.a.record(pair.i), self.frames.b.record(pair.j));
-        let ([x, y, z], inner) = (self.between(pair), a.inner + b.inner);
+        let [a, b] = self.records(pair);
+        let ([x, y, z], inner) = (between([a, b]), a.inner + b.inner);
         let is_swept = (a.radius > 0.0) | (b.radius > 0.0);
         !is_swept & (x * x + y * y + z * z > inner * inner)
     }
@@ -109,10 +146,11 @@ impl Propose<'_> {
         let (mut order, mut size) = (Row::default(), Row::default());
         for (lane, &number) in numbers.iter().enumerate().take(WIDTH) {
             let pair = self.pairs[number];
-            let between = self.between(pair);
-            let sign = if between < [0.0; 3] { -1.0 } else { 1.0 };
+            let records = self.records(pair);
+            let between = between(records);
+            let sign = if is_exchanged(between) { -1.0 } else { 1.0 };
             (a.0[lane], b.0[lane], order.0[lane]) = (pair.i, pair.j, sign);
-            size.0[lane] = self.frames.a.record(pair.i).outer + self.frames.b.record(pair.j).outer;
+            size.0[lane] = records[0].size + records[1].size;
             for axis in 0..3 {
                 c[axis].0[lane] = between[axis] * sign;
             }
@@ -124,10 +162,9 @@ impl Propose<'_> {
     /// The point of the difference, in that order, that is farthest along a direction.
     #[inline(always)]
     fn farthest<L: Lanes>(&mut self, l: L, of: &Sixteen<L>, direction: V3<L>) -> Vertex<L> {
-        let zero = l.splat(0.0);
-        let d = V3(zero, zero, zero).plus(l, of.order, direction);
-        let (p, in_a) = supports(l, self.frames.a, self.scratch, (&of.a, d), of.used);
-        let (q, in_b) = supports(l, self.frames.b, self.scratch, (&of.b, d.neg(l)), of.used);
+        let (to_a, to_b) = of.directions(l, direction);
+        let (p, in_a) = supports(l, self.frames.a, self.scratch, (&of.a, to_a), of.used);
+        let (q, in_b) = supports(l, self.frames.b, self.scratch, (&of.b, to_b), of.used);
         let at = of.c.plus(l, of.order, p.sub(l, q));
         Vertex { at, corner: corner_of_vertices(l, [in_a, in_b]) }
     }
@@ -138,22 +175,112 @@ impl Propose<'_> {
         let of = self.gather::<L>(l, numbers);
         let close = l.mul(of.size, l.splat(CLOSE * U));
         let mut portal = self.first_portal(l, &of);
-        for _ in 0..ROUNDS {
-            let new = self.farthest(l, &of, portal.direction);
-            portal.end(l, new, close);
+        let [of_any, of_shallow] = ROUNDS;
+        for round in 0..of_shallow {
+            if round >= of_any {
+                portal.give_up_deep(l, of.c);
+            }
             if l.bits(portal.open) == 0 {
                 break;
             }
+            let new = self.farthest(l, &of, portal.direction);
+            portal.end(l, new, close);
             portal.take(l, new, of.c);
         }
+        self.propose(l, (&of, &portal), numbers);
+    }
+
+    /// Writes down what is found.
+    #[inline(always)]
+    fn propose<L: Lanes>(
+        &mut self,
+        l: L,
+        (of, portal): (&Sixteen<L>, &Portal<L>),
+        numbers: &[usize],
+    ) {
         let mut corners = [Row::default(); 3];
         for (row, point) in corners.iter_mut().zip(&portal.corners) {
             l.store(point.corner, row);
         }
-        for lane in LanesOf(l.bits(portal.is_whole) & ((1 << of.used) - 1)) {
+        let used = l.mask((1 << of.used) - 1);
+        let whole = l.and(portal.is_whole, used);
+        for lane in LanesOf(l.bits(whole)) {
             let [p, q, r] = &corners;
-            let vertices = [p.0[lane], q.0[lane], r.0[lane]].map(vertices_of_corner);
-            self.found[numbers[lane]] = Some(vertices);
+            let triangle = [p.0[lane], q.0[lane], r.0[lane]].map(vertices_of_corner);
+            self.found[numbers[lane]] = Some(Proposal { triangle, nearest: None });
+        }
+        let ended = l.and_not(l.and_not(whole, portal.open), portal.is_deep);
+        if self.proves && l.bits(ended) != 0 {
+            self.prove(l, (of, portal), (ended, numbers));
+        }
+    }
+
+    /// Writes down which portals lie in the nearest face, of those that end.
+    #[inline(always)]
+    fn prove<L: Lanes>(
+        &mut self,
+        l: L,
+        (of, portal): (&Sixteen<L>, &Portal<L>),
+        (ended, numbers): (L::M, &[usize]),
+    ) {
+        let enclosed = self.enclosed(l, (of, portal), numbers);
+        let found = enclosed.nearest_face(l);
+        let holds = l.and(ended, found.holds);
+        if l.bits(holds) == 0 {
+            return;
+        }
+        let (a, b) = of.directions(l, found.normal);
+        let (in_a, in_b) = (
+            reaches(l, self.frames.a, self.scratch, (&of.a, a), of.used),
+            reaches(l, self.frames.b, self.scratch, (&of.b, b), of.used),
+        );
+        let upper = enclosed.upper(l, found.normal, l.add(in_a, in_b));
+        let is_good = enclosed.is_good(l, found.distance, [found.lower, upper]);
+        let holds = l.and(holds, is_good);
+        let mut rows = [Row::default(); 9];
+        let V3(x, y, z) = found.normal;
+        let [second, third] = found.weights;
+        let all = [x, y, z, found.distance, found.lower, upper, second, third, portal.farthest];
+        for (row, numbers) in rows.iter_mut().zip(all) {
+            l.store(numbers, row);
+        }
+        for lane in LanesOf(l.bits(holds)) {
+            let [x, y, z, depth, lower, upper, second, third, farthest] =
+                rows.map(|row| row.0[lane]);
+            if let Some(proposal) = &mut self.found[numbers[lane]] {
+                proposal.nearest = Some(NearestFace {
+                    normal: Vec3::new(x, y, z),
+                    depth,
+                    bounds: [lower, upper],
+                    weights: [second, third],
+                    farthest: vertices_of_corner(farthest),
+                });
+            }
+        }
+    }
+
+    /// What is proved to be inside of A − B.
+    #[inline(always)]
+    fn enclosed<L: Lanes>(
+        &self,
+        l: L,
+        (of, portal): (&Sixteen<L>, &Portal<L>),
+        numbers: &[usize],
+    ) -> Enclosed<L> {
+        let (mut inner, mut slack) = (Row::default(), Row::default());
+        for (lane, &number) in numbers.iter().enumerate().take(WIDTH) {
+            let [a, b] = self.records(self.pairs[number]);
+            // Others reach beyond their vertices, or are not searched.
+            let is_whole = a.marks & b.marks & WHOLE != 0;
+            inner.0[lane] = if is_whole { a.inner + b.inner } else { f32::NAN };
+            slack.0[lane] = a.slack + b.slack;
+        }
+        Enclosed {
+            corners: portal.corners.map(|corner| corner.at),
+            c: of.c,
+            inner: l.load(&inner),
+            size: l.add(of.size, of.c.norm1(l)),
+            slack: l.load(&slack),
         }
     }
 
@@ -170,7 +297,7 @@ impl Propose<'_> {
         let corners = [Vertex::select(l, is_turned, q, p), Vertex::select(l, is_turned, p, q), p];
         let direction = V3::select(l, is_turned, normal.neg(l), normal);
         let (open, is_whole) = (l.mask((1u32 << of.used) - 1), l.mask(0));
-        Portal { corners, direction, is_whole, open }
+        Portal { corners, direction, is_whole, farthest: p.corner, open, is_deep: l.mask(0) }
     }
 }
 
@@ -181,8 +308,12 @@ struct Portal<L: Lanes> {
     direction: V3<L>,
     /// Whether there are three.
     is_whole: L::M,
-    /// Whether there may be a better one.
+    /// Which vertices make a point that is farthest along the direction, where the portal ends.
+    farthest: L::F,
+    /// Whether there may be a better one, and it is looked for.
     open: L::M,
+    /// Whether it is not looked for.
+    is_deep: L::M,
 }
 
 impl<L: Lanes> Portal<L> {
@@ -192,7 +323,20 @@ impl<L: Lanes> Portal<L> {
         let d = self.direction;
         let gain = new.at.sub(l, self.corners[0].at).dot(l, d);
         let is_face = l.le(gain, l.mul(close, l.sqrt(d.dot(l, d))));
-        self.open = l.and_not(self.open, l.and(self.is_whole, is_face));
+        let ends = l.and(self.open, l.and(self.is_whole, is_face));
+        self.farthest = l.select(ends, new.corner, self.farthest);
+        self.open = l.and_not(self.open, ends);
+    }
+
+    /// Leaves the deep ones as they are.
+    #[inline(always)]
+    fn give_up_deep(&mut self, l: L, c: V3<L>) {
+        let (d, p) = (self.direction, self.corners[0].at);
+        let whole_way = d.dot(l, p.sub(l, c));
+        let is_deep = l.lt(l.mul(whole_way, l.splat(DEEP)), d.dot(l, p));
+        let is_deep = l.and(self.is_whole, l.and(self.open, is_deep));
+        self.open = l.and_not(self.open, is_deep);
+        self.is_deep = l.or(self.is_deep, is_deep);
     }
 
     /// Puts a point in the place of a corner so that the ray stays between all, as far as rounding lets it.

@@ -24,7 +24,7 @@ const CORNERS: usize = 2 * FACES;
 
 /// What a determinant (p − r) × (q − r) · r may be off by. Unit: u·|p − r|₁·|q − r|₁·|r|₁. Two differences 2,
 /// the cross product 2.02, the dot product 3.01; and a margin for the bound's own rounding. Smaller: an origin that is outside.
-const DETERMINANT: f32 = 16.0;
+pub(super) const DETERMINANT: f32 = 16.0;
 
 /// A determinant that is not above this by more than rounding proves nothing: products of such edges underflow.
 /// Unit: m³.

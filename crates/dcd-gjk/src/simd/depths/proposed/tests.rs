@@ -9,8 +9,8 @@ use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Aabb, Object, Pose, Scene, Shape, SupportMap};
 use dcd_simd::{Path, dispatch_on};
 
-/// Pairs 2k, 2k + 1 of small hulls, boxes and flat ones, that overlap by a little.
-fn scene(draw: &mut Draw, count: u32) -> Scene {
+/// Pairs 2k, 2k + 1 of small hulls, boxes and flat ones, that overlap by a little, about a place that is drawn for each.
+pub(in super::super) fn scene(draw: &mut Draw, count: u32, far: f64) -> Scene {
     let mut shapes = vec![
         Shape::cuboid(DVec3::new(0.5, 0.4, 0.3)).unwrap(),
         Shape::hull(vec![DVec3::X, DVec3::Y, DVec3::NEG_X]).unwrap(),
@@ -22,7 +22,7 @@ fn scene(draw: &mut Draw, count: u32) -> Scene {
     }
     let mut objects = Vec::new();
     for k in 0..count {
-        let at = draw.vector() * 100.0;
+        let at = draw.vector() * far;
         for side in [0.0, 1.0] {
             let turn = DQuat::from_scaled_axis(draw.vector() * 3.0);
             let away = draw.vector().normalize_or(DVec3::X) * 0.6 * side;
@@ -34,17 +34,22 @@ fn scene(draw: &mut Draw, count: u32) -> Scene {
     Scene::new(shapes, objects).unwrap()
 }
 
-fn proposed(scene: &Scene, path: Path, pairs: &[Pair]) -> Vec<Option<Triangle>> {
+pub(in super::super) fn proposed(
+    scene: &Scene,
+    path: Path,
+    pairs: &[Pair],
+) -> Vec<Option<Proposal>> {
     let (mut frame, mut aabbs) = (SimdFrame::default(), vec![Aabb::default(); scene.len()]);
     let part = frame.layout(scene, Sides::One);
     prepare_unfused(path, Prepare { scene, first: 0, part, aabbs: &mut aabbs });
     let (mut scratch, mut found) = (SupportScratch::default(), Vec::new());
-    dispatch_on(path, Propose::of(FramePair::of_one(&frame), pairs, &mut scratch, &mut found));
+    let frames = FramePair::of_one(&frame);
+    dispatch_on(path, Propose::of(frames, (pairs, true), &mut scratch, &mut found));
     found
 }
 
 /// The vertices of an object in the world.
-fn vertices(scene: &Scene, object: u32) -> Vec<DVec3> {
+pub(in super::super) fn vertices(scene: &Scene, object: u32) -> Vec<DVec3> {
     let polytope = scene.shape(object as usize).as_polytope().unwrap();
     let pose = &scene.poses()[object as usize];
     let placed = |&v: &DVec3| *pose.rotation() * v + pose.translation();
@@ -54,17 +59,17 @@ fn vertices(scene: &Scene, object: u32) -> Vec<DVec3> {
 #[test]
 fn the_ray_from_the_centre_leaves_through_what_is_proposed_and_no_swept_pair_has_a_triangle() {
     let mut draw = Draw(5);
-    let scene = scene(&mut draw, 2000);
+    let scene = scene(&mut draw, 2000, 100.0);
     let pairs: Vec<_> = (0..2000).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
     let found = proposed(&scene, Path::best(), &pairs);
     let [mut asked, mut faces, mut pierced] = [0; 3];
-    for (pair, triangle) in pairs.iter().zip(&found) {
+    for (pair, proposal) in pairs.iter().zip(&found) {
         let is_swept = |object: u32| scene.shape(object as usize).radius() > 0.0;
         if is_swept(pair.i) || is_swept(pair.j) {
-            assert_eq!(*triangle, None, "{pair:?}");
+            assert_eq!(*proposal, None, "{pair:?}");
             continue;
         }
-        let Some(triangle) = triangle else { continue };
+        let Some(Proposal { triangle, .. }) = proposal else { continue };
         asked += 1;
         let (a, b) = (vertices(&scene, pair.i), vertices(&scene, pair.j));
         let point = |[i, j]: [u32; 2]| {
@@ -95,7 +100,7 @@ fn the_ray_from_the_centre_leaves_through_what_is_proposed_and_no_swept_pair_has
 #[test]
 fn both_orders_any_path_and_any_other_pairs_propose_the_same() {
     let mut draw = Draw(6);
-    let scene = scene(&mut draw, 300);
+    let scene = scene(&mut draw, 300, 100.0);
     let pairs: Vec<_> = (0..300).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
     let all = proposed(&scene, Path::best(), &pairs);
     assert!(all.iter().flatten().count() > 100);
@@ -105,7 +110,14 @@ fn both_orders_any_path_and_any_other_pairs_propose_the_same() {
     let mirrored: Vec<_> = pairs.iter().map(|pair| Pair { i: pair.j, j: pair.i }).collect();
     let back = proposed(&scene, Path::best(), &mirrored);
     for (one, other) in all.iter().zip(back) {
-        let exchanged = other.map(|corners| corners.map(|[a, b]| [b, a]));
+        let exchanged = other.map(|Proposal { triangle, nearest }| {
+            let triangle = triangle.map(|[a, b]| [b, a]);
+            let nearest = nearest.map(|face| {
+                let [a, b] = face.farthest;
+                NearestFace { farthest: [b, a], ..face }
+            });
+            Proposal { triangle, nearest }
+        });
         assert_eq!(*one, exchanged);
     }
     for (k, pair) in pairs.iter().enumerate() {
