@@ -1,5 +1,6 @@
 //! How far apart pairs are: the nearest vertices sixteen pairs at a time in f32, and what the accuracy makes of them.
 
+mod of_points;
 mod sorted;
 
 use super::certificate::GapBounds;
@@ -19,11 +20,10 @@ use crate::{
     Accuracy, Contact, ContactList, ContactSink, Distance, Method, NarrowPhase, PosedShape,
     PosedSupport, Prepared, Report, Sides, Verdict, certified,
 };
-use dcd_geom::glam::DVec3;
-use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, ShapeError};
+use dcd_geom::{Aabb, Pair, Scene, ShapeError};
 use dcd_simd::Path;
+use of_points::distance_of;
 use sorted::{Kind, Searched, Sorted};
-use std::iter::Enumerate;
 use std::ops::Range;
 use std::slice;
 
@@ -61,14 +61,6 @@ pub struct SimdDistances {
     margin: f64,
 }
 
-/// A bound above this, of the pair's size, is one that the lanes did not reach; the pair is measured in f64. No
-/// unit. Larger: worse bounds. Smaller: more pairs take a microsecond.
-const WORST: f64 = 8e-6;
-
-/// What the f64 arithmetic of a distance may be off by: unit 2⁻⁵³ of the pair's size. Weights 8, the
-/// rotations 12 for each shape, differences and the length 8; and a margin.
-const ROUNDED: f64 = 64.0 * f64::EPSILON / 2.0;
-
 impl SimdDistances {
     /// Of the pairs within that many metres, at that accuracy.
     ///
@@ -97,23 +89,28 @@ impl SimdDistances {
         (within_margin(found, self.margin, a, b), method)
     }
 
-    /// Prefetches what the pairs behind that one read.
-    #[inline(always)]
-    fn look_ahead(&self, objects: ScenePairs<'_>, number: usize, searched: &Searched) {
-        match self.accuracy {
-            Accuracy::F32 => {
-                objects.look_ahead_to_corners(number, |number| searched.corners(number))
-            }
-            _ => objects.look_ahead(number, false),
-        }
-    }
-
     /// A pair that is apart, by what the lanes found of it.
-    fn by_search(&self, found: Found, [a, b]: [PosedShape<'_>; 2]) -> Verdict<Option<Distance>> {
+    fn by_search(
+        &self,
+        found: Found,
+        (frames, pair): (FramePair<'_>, Pair),
+        [a, b]: [PosedShape<'_>; 2],
+    ) -> Verdict<Option<Distance>> {
+        let points = match found {
+            Found::Beyond => return Verdict::Apart,
+            Found::Unknown => return self.alone(a, b).0,
+            Found::Nearest(points) => points,
+        };
+        let found = match self.accuracy {
+            Accuracy::F32 => {
+                let found = points.distance_in_f32(frames, pair);
+                found.or_else(|| distance_of(&points, a, b)).map(DistanceResult::Apart)
+            }
+            accuracy => going_on(accuracy, &points, a, b),
+        };
         match found {
-            Found::Beyond => Verdict::Apart,
-            Found::Nearest(points) => self.by_points(&points, a, b),
-            Found::Unknown => self.alone(a, b).0,
+            Some(found) => within_margin(found, self.margin, a, b),
+            None => self.alone(a, b).0,
         }
     }
 
@@ -175,7 +172,7 @@ impl SimdDistances {
     ) -> Verdict<Option<Distance>> {
         let sides = objects.posed(pair);
         match found {
-            Measured::Searched(nearest) => self.by_search(nearest, sides),
+            Measured::Searched(nearest) => self.by_search(nearest, (objects.frames, pair), sides),
             Measured::Cuboids(features) => self.by_features(features, objects.frames, pair, sides),
             Measured::Formula => self.by_formula(sides),
             Measured::Centres => self.by_bounds_of_centres(spheres, sides),
@@ -211,23 +208,6 @@ impl SimdDistances {
     /// A pair that is apart of which one evaluation in f64 says how far.
     fn by_formula(&self, [a, b]: [PosedShape<'_>; 2]) -> Verdict<Option<Distance>> {
         match distance_at_once(a, b) {
-            Some(found) => within_margin(found, self.margin, a, b),
-            None => self.alone(a, b).0,
-        }
-    }
-
-    /// The pair, which is apart, whose nearest vertices are known.
-    fn by_points(
-        &self,
-        points: &NearestPoints,
-        a: PosedShape<'_>,
-        b: PosedShape<'_>,
-    ) -> Verdict<Option<Distance>> {
-        let found = match self.accuracy {
-            Accuracy::F32 => distance_of(points, a, b).map(DistanceResult::Apart),
-            accuracy => going_on(accuracy, points, a, b),
-        };
-        match found {
             Some(found) => within_margin(found, self.margin, a, b),
             None => self.alone(a, b).0,
         }
@@ -401,7 +381,7 @@ enum Measured {
 /// What was found of the pairs that are read, in their order.
 struct InOrder<'a> {
     searched: &'a Searched,
-    near: Enumerate<slice::Iter<'a, u32>>,
+    near: Range<usize>,
     of_cuboids: slice::Iter<'a, of_cuboids::Found>,
     formulas: Range<usize>,
     /// The pairs that were searched, and those with a formula.
@@ -413,7 +393,7 @@ impl<'a> InOrder<'a> {
         let Sorted { formulas, searched, of_cuboids, .. } = sorted;
         Self {
             searched,
-            near: searched.near.iter().enumerate(),
+            near: 0..searched.near.len(),
             of_cuboids: of_cuboids.found.iter(),
             formulas: 0..formulas.len(),
             objects: [&searched.measured, formulas].map(|pairs| ScenePairs { pairs, ..objects }),
@@ -427,8 +407,9 @@ impl<'a> InOrder<'a> {
         match kind {
             Kind::Cuboids => Measured::Cuboids(self.of_cuboids.next().copied().unwrap_or_default()),
             Kind::Searched => {
-                if let Some((place, _)) = self.near.next() {
-                    narrow.look_ahead(searched, place, self.searched);
+                // At that of f32 the vertices are those that have just been read.
+                if let (Some(place), false) = (self.near.next(), narrow.accuracy == Accuracy::F32) {
+                    searched.look_ahead(place, false);
                 }
                 Measured::Searched(self.searched.found[number as usize])
             }
@@ -439,47 +420,4 @@ impl<'a> InOrder<'a> {
             Kind::Touching | Kind::Spheres | Kind::Beyond => Measured::Centres,
         }
     }
-}
-
-/// The distance of two polytopes that are apart, by vertices whose weighted means are nearest points of their cores
-/// or nearly so, and what the lanes prove from below. `None`: that bound is too wide.
-fn distance_of(points: &NearestPoints, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance> {
-    let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
-    let weights = weights(points.weights)?;
-    let turned = |side: usize, polytope: &Polytope, pose: &Pose| {
-        let vertices = polytope.vertices();
-        // The last block is filled up with the last vertex.
-        let vertex = |number: u32| vertices[(number as usize).min(vertices.len() - 1)];
-        let corners = points.corners.iter().zip(weights);
-        let mean: DVec3 = corners.map(|(corner, weight)| vertex(corner[side]) * weight).sum();
-        *pose.rotation() * mean
-    };
-    let (from_a, from_b) = (turned(0, in_a, a.pose), turned(1, in_b, b.pose));
-    let apart = a.pose.translation() - b.pose.translation();
-    let from_origin = (from_a - from_b) + apart;
-    let length = from_origin.length();
-    let normal = -from_origin / length;
-    let reach = |polytope: &Polytope, pose: &Pose| polytope.reach() * (1.0 + pose.deviation());
-    let size = reach(in_a, a.pose) + reach(in_b, b.pose) + apart.abs().element_sum();
-    let rounding = ROUNDED * (size + in_a.swept_radius() + in_b.swept_radius());
-    let radii = in_a.swept_radius() + in_b.swept_radius();
-    let distance = length - radii;
-    let lower = f64::from(points.lower) - radii;
-    let error_bound = (distance - lower).max(0.0) + 2.0 * rounding;
-    let is_good = distance > 0.0 && error_bound <= WORST * size && normal.is_finite();
-    is_good.then(|| Distance {
-        distance,
-        point_a: a.pose.translation() + from_a + normal * in_a.swept_radius(),
-        point_b: b.pose.translation() + from_b - normal * in_b.swept_radius(),
-        normal,
-        error_bound,
-    })
-}
-
-/// Of the three points: none below 0, and 1 together but for rounding.
-fn weights([second, third]: [f32; 2]) -> Option<[f64; 3]> {
-    let (second, third) = (f64::from(second), f64::from(third));
-    let all = [1.0 - second - third, second, third].map(|weight| weight.max(0.0));
-    let sum: f64 = all.iter().sum();
-    (sum > 0.5 && sum.is_finite()).then(|| all.map(|weight| weight / sum))
 }

@@ -96,8 +96,8 @@ impl<'a> ScenePairs<'a> {
         self.look_ahead_to_shapes(number);
         let Some(pair) = self.pairs.get(number + NEAR) else { return };
         let [of_a, of_b] = self.scenes;
-        prefetch_corners(of_a, pair.i, [0]);
-        prefetch_corners(of_b, pair.j, [0]);
+        prefetch_first(of_a, pair.i);
+        prefetch_first(of_b, pair.j);
     }
 
     /// The same, of pairs that are measured one by one: a hull's planes, vertices and, where `facets` says so, faces are read
@@ -115,25 +115,9 @@ impl<'a> ScenePairs<'a> {
             if is_other(marks) && beside & SPHERE != 0 {
                 prefetch_planes(scene, object, facets);
             } else {
-                prefetch_corners(scene, object, [0]);
+                prefetch_first(scene, object);
             }
         }
-    }
-
-    /// The same, where no more is read of polytopes than a few vertices. `corners` says which, of the pair of that number
-    /// and for either of its objects.
-    #[inline(always)]
-    pub(super) fn look_ahead_to_corners(
-        &self,
-        number: usize,
-        corners: impl FnOnce(usize) -> Option<[[u32; 2]; 3]>,
-    ) {
-        self.look_ahead_to_shapes(number);
-        let near = number + NEAR;
-        let (Some(pair), Some(corners)) = (self.pairs.get(near), corners(near)) else { return };
-        let [of_a, of_b] = self.scenes;
-        prefetch_corners(of_a, pair.i, corners.map(|[corner, _]| corner));
-        prefetch_corners(of_b, pair.j, corners.map(|[_, corner]| corner));
     }
 
     /// Prefetches what the measure of a pair's parts reads of meshes.
@@ -215,15 +199,13 @@ fn prefetch_planes(scene: &Scene, object: u32, facets: bool) {
     }
 }
 
-/// Prefetches vertices of an object.
+/// Prefetches an object's first vertex.
 #[inline(always)]
-fn prefetch_corners<const N: usize>(scene: &Scene, object: u32, corners: [u32; N]) {
-    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
-        for corner in corners {
-            if let Some(vertex) = polytope.vertices().get(corner as usize) {
-                prefetch(slice::from_ref(vertex));
-            }
-        }
+fn prefetch_first(scene: &Scene, object: u32) {
+    if let Shape::Polytope(polytope) = scene.shape(object as usize)
+        && let Some(vertex) = polytope.vertices().first()
+    {
+        prefetch(slice::from_ref(vertex));
     }
 }
 

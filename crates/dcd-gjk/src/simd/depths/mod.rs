@@ -17,6 +17,8 @@ mod start;
 mod surface;
 mod vectors;
 
+pub(super) use vectors::vertex;
+
 use super::closed::{depths as of_cuboids, patches};
 use super::frame::{FramePair, SimdFrame};
 use super::scene_pairs::ScenePairs;

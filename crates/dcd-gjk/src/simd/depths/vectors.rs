@@ -15,9 +15,9 @@ pub(super) fn splat<L: Lanes>(l: L, Vec3 { x, y, z }: Vec3) -> [L::F; 3] {
     [l.splat(x), l.splat(y), l.splat(z)]
 }
 
-/// The vertex of that number.
+/// The vertex of that number; not a number where there is none.
 #[inline(always)]
-pub(super) fn vertex(blocks: &[Block], number: usize) -> Vec3 {
+pub(in crate::simd) fn vertex(blocks: &[Block], number: usize) -> Vec3 {
     blocks.get(number / WIDTH).map_or(Vec3::NAN, |block| block.point(number % WIDTH))
 }
 

@@ -104,15 +104,6 @@ impl Searched {
         measured.clear();
         measured.extend(near.iter().map(|&number| pairs[number as usize]));
     }
-
-    /// The vertices that the nearest points of a pair lie between, by its number among those measured.
-    #[inline(always)]
-    pub(super) fn corners(&self, number: usize) -> Option<[[u32; 2]; 3]> {
-        match self.found.get(*self.near.get(number)? as usize)? {
-            Found::Nearest(points) => Some(points.corners),
-            Found::Unknown | Found::Beyond => None,
-        }
-    }
 }
 
 impl Sorted {

@@ -1,10 +1,9 @@
 //! Proved faces beside the least of all directions that a face of A − B can have, in f64.
 
 use super::super::proposed::tests::{proposed, scene, vertices};
+use super::*;
 use crate::motion::tests::Draw;
-use dcd_geom::Pair;
-use dcd_geom::glam::DVec3;
-use dcd_simd::Path;
+use dcd_simd::{Block, Row, Unfused, WIDTH};
 
 /// How far a body reaches along a direction.
 fn reach(vertices: &[DVec3], along: DVec3) -> f64 {
@@ -69,4 +68,81 @@ fn the_depth_is_between_the_bounds_of_a_nearest_face() {
     }
     println!("{proved} proved, {others} not");
     assert!(proved > 300 && others > 300, "{proved}, {others}");
+}
+
+/// Sixteen triangles and spheres: the bounds from below where they hold, else NaN.
+struct Lower<'a> {
+    corners: &'a [Block; 3],
+    centres: &'a Block,
+    radii: &'a Row,
+}
+
+impl Kernel for Lower<'_> {
+    type Output = Row;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Row {
+        let [p, q, r] = self.corners;
+        let corners = [V3::load(l, &p.0), V3::load(l, &q.0), V3::load(l, &r.0)];
+        let (c, inner) = (V3::load(l, &self.centres.0), l.load(self.radii));
+        let (size, slack) = (l.add(l.splat(1.0), c.norm1(l)), l.splat(0.0));
+        let found = Enclosed { corners, c, inner, size, slack }.nearest_face(l);
+        let mut lower = Row::default();
+        l.store(l.select(found.holds, found.lower, l.splat(f32::NAN)), &mut lower);
+        lower
+    }
+}
+
+/// How far the hull of three points and a sphere reaches along the direction in which it reaches the least, or a little farther.
+fn least_reach(corners: [DVec3; 3], (c, radius): (DVec3, f64), draw: &mut Draw) -> f64 {
+    let reach = |n: DVec3| (c.dot(n) + radius).max(reach(&corners, n));
+    let mut least = (f64::INFINITY, DVec3::Z);
+    for round in 0..400 {
+        let (from, step) =
+            if round < 100 { (DVec3::ZERO, 1.0) } else { (least.1, 0.97f64.powi(round - 100)) };
+        for _ in 0..8 {
+            let Some(n) = (from + draw.vector() * step).try_normalize() else { continue };
+            if reach(n) < least.0 {
+                least = (reach(n), n);
+            }
+        }
+    }
+    least.0
+}
+
+#[test]
+fn no_bound_from_below_is_above_the_least_reach_of_triangle_and_sphere() {
+    let mut draw = Draw(9);
+    let (mut held, mut close) = (0, 0);
+    for _ in 0..60 {
+        let mut blocks = [Block::default(); 4];
+        let mut radii = Row::default();
+        for lane in 0..WIDTH {
+            let depth = 0.2 * draw.number().abs();
+            let mut set = |block: usize, v: DVec3| {
+                let numbers = v.as_vec3().to_array();
+                blocks[block].0.iter_mut().zip(numbers).for_each(|(row, x)| row.0[lane] = x);
+            };
+            for corner in 0..3 {
+                let (sine, cosine) = (f64::from(corner as u32) * 2.1).sin_cos();
+                let far = 0.4 * draw.number().abs();
+                let at = DVec3::new(cosine * far, sine * far, depth) + draw.vector() * 0.05;
+                set(corner, at);
+            }
+            set(3, draw.vector() * 0.1 - DVec3::Z * 0.3);
+            radii.0[lane] = (0.3 * draw.number().abs()) as f32;
+        }
+        let [p, q, r, centres] = &blocks;
+        let kernel = Lower { corners: &[*p, *q, *r], centres, radii: &radii };
+        let lower = dispatch_on(Path::best(), Unfused(kernel));
+        for lane in (0..WIDTH).filter(|&lane| !lower.0[lane].is_nan()) {
+            let [p, q, r, c] = blocks.map(|block| block.point(lane).as_dvec3());
+            let least = least_reach([p, q, r], (c, radii.0[lane].into()), &mut draw);
+            assert!(f64::from(lower.0[lane]) <= least, "{lane}: {} {least}", lower.0[lane]);
+            held += 1;
+            close += usize::from(f64::from(lower.0[lane]) > least - 1e-4);
+        }
+    }
+    println!("{held} held, {close} close");
+    assert!(held > 200 && close > 100, "{held}, {close}");
 }
