@@ -31,11 +31,10 @@ use std::slice;
 ///
 /// Contact is proved as in [`Overlap`](crate::Overlap). For the other pairs the lanes find the nearest
 /// vertices, of cuboids the nearest faces, edges or corners. At [`Accuracy::F32`] spheres and capsules, with each other and
-/// with cuboids, are evaluated once in f64, with its bound. Of others f64 computes the distance
-/// from the points there, which are those of f32 on cuboids, and the bound is what the lanes
-/// prove from below: some millionths of the pair's size. At the others the search goes on from them in f64 or longer
-/// numbers, with the bounds of these. Shapes without a lane kernel, sizes outside
-/// f32's range, and pairs whose bound is too wide are measured one pair at a time.
+/// with cuboids, are evaluated once in f64, with its bound. Of others the distance is that of the points there, of vertices
+/// in f32 unless the shapes are close, and the bound is what the lanes prove from below: some millionths of the pair's
+/// size. At the other accuracies the search goes on from them in f64 or longer numbers, with the bounds of these. Shapes
+/// without a lane kernel, sizes outside f32's range, and pairs whose bound is too wide are measured one pair at a time.
 ///
 /// Whether a pair with a distance within its bound of the margin is reported is decided exactly. The same bits on every
 /// path and at any number of threads, whatever the other pairs; (a, b) and (b, a) are mirrored. The last bits need not be
