@@ -1,9 +1,11 @@
 use super::super::tests::groups::arm_of_several;
 use super::super::tests::{Draw, arm, at, checker, obstacle};
 use super::*;
+use crate::{AllowedPairs, LinkShapes, Robot, Workcell, World};
 use dcd_geom::Shape;
 use dcd_gjk::distance::{DistanceResult, distance, gap_along};
 use glam::DQuat;
+use std::path::Path;
 
 /// The robot in the middle of an interval.
 fn search<'a>(
@@ -86,6 +88,25 @@ fn no_pair_comes_nearer_in_an_interval_than_is_proved_of_it() {
     assert!(proved > 300 && tight > 100, "{proved} {tight}");
 }
 
+/// How near the spheres of each pair, then of each group of pairs, come in each slice of the path until there, by samples.
+fn least_in_slices(checker: &EdgeChecker, path: &JointPath, end: f64) -> Vec<[f64; 16]> {
+    let open = checker.pairs.len() + checker.groups.groups.len();
+    let mut least = vec![[f64::INFINITY; 16]; open];
+    for step in 0..=16 * 16 {
+        let there = search(checker, path, (end * f64::from(step) / 256.0, 0.0));
+        for (open, least) in (0..).zip(&mut least) {
+            let far = there.far(open);
+            // The borders belong to both.
+            for slice in [step / 16, (step - 1) / 16] {
+                if let Some(least) = least.get_mut(slice as usize) {
+                    *least = least.min(far);
+                }
+            }
+        }
+    }
+    least
+}
+
 #[test]
 fn spheres_that_are_proved_apart_in_a_slice_are_apart_all_along_it() {
     let mut draw = Draw::new();
@@ -115,19 +136,7 @@ fn spheres_that_are_proved_apart_in_a_slice_are_apart_all_along_it() {
         let slices = EdgeSearch::new(&checker, &path, (1, Before::Hit)).slice(end, nearest);
         let slices = slices.unwrap();
         assert_eq!(slices.open.len(), checker.pairs.len() + checker.groups.groups.len());
-        let mut least = vec![[f64::INFINITY; 16]; slices.open.len()];
-        for step in 0..=16 * 16 {
-            let there = search(&checker, &path, (end * f64::from(step) / 256.0, 0.0));
-            for (open, least) in (0..).zip(&mut least) {
-                let far = there.far(open);
-                // The borders belong to both.
-                for slice in [step / 16, (step - 1) / 16] {
-                    if let Some(least) = least.get_mut(slice as usize) {
-                        *least = least.min(far);
-                    }
-                }
-            }
-        }
+        let least = least_in_slices(&checker, &path, end);
         for (open, least) in (0..).zip(&least) {
             for (slice, &least) in least.iter().enumerate() {
                 let is_proved = slices.prove(open, 1 << slice);
@@ -141,6 +150,81 @@ fn spheres_that_are_proved_apart_in_a_slice_are_apart_all_along_it() {
         }
     }
     assert!(proved > 10_000 && near > 5 && in_vain * 20 < far, "{proved} {near} {in_vain} {far}");
+}
+
+/// A body that floats, an arm that turns on it, a plate fixed to that, and a finger that slides as the arm turns.
+fn mobile() -> Robot {
+    let text = r#"<robot name="mobile"><link name="world"/>
+      <link name="body"><collision><origin xyz="0.1 0 0" rpy="0.3 0.2 1"/><geometry><box size="0.5 0.3 0.1"/></geometry></collision></link>
+      <link name="arm"><collision><origin xyz="0.4 0 0"/><geometry><box size="0.8 0.1 0.1"/></geometry></collision></link>
+      <link name="plate"><collision><geometry><cylinder radius="0.1" length="0.02"/></geometry></collision></link>
+      <link name="finger"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+      <joint name="free" type="floating"><origin xyz="0.2 0.1 0" rpy="0.4 -1 0.3"/><parent link="world"/><child link="body"/></joint>
+      <joint name="turn" type="continuous"><origin xyz="0.3 0 0.2" rpy="1 0.5 0"/><axis xyz="0 0.6 0.8"/>
+        <parent link="body"/><child link="arm"/></joint>
+      <joint name="hold" type="fixed"><origin xyz="0.8 0 0" rpy="0 0.7 2"/><parent link="arm"/><child link="plate"/></joint>
+      <joint name="slide" type="prismatic"><origin xyz="0.9 0 0" rpy="0 1 0"/><axis xyz="1 0 0"/><parent link="arm"/><child link="finger"/>
+        <limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="turn" multiplier="-0.3" offset="0.1"/></joint>
+      </robot>"#;
+    Robot::read(text, Path::new("."), LinkShapes::Hulls).unwrap()
+}
+
+/// That robot on a base anywhere, among boxes.
+fn mobile_checker(draw: &mut Draw) -> EdgeChecker {
+    let boxes = (0..3).map(|n| {
+        let at = draw.vector() * 2.0;
+        obstacle(&format!("o{n}"), Shape::cuboid(DVec3::splat(0.1)).unwrap(), at)
+    });
+    let obstacles = boxes.collect();
+    let turn = DQuat::from_scaled_axis(draw.vector() * 3.0);
+    let base = Some(Pose::new(turn, draw.vector() * 0.5).unwrap());
+    let (robot, world) = (mobile(), World { obstacles, base, ..World::default() });
+    let allowed = AllowedPairs::adjacent(&robot);
+    EdgeChecker::new(Workcell::new(robot, &world, &allowed).unwrap())
+}
+
+/// A straight path of that robot, on which each value changes by about so much.
+fn mobile_path(draw: &mut Draw, change: f64) -> JointPath {
+    let from = [draw.vector(), draw.vector()];
+    let mut state = |change: f64| {
+        let [place, turn] = from.map(|v| v + draw.vector() * change);
+        let mut state = place.to_array().to_vec();
+        state.extend(DQuat::from_scaled_axis(turn).normalize().to_array());
+        state.push(draw.unit() * change);
+        state
+    };
+    JointPath::Straight([state(0.0), state(change)])
+}
+
+#[test]
+fn no_slice_proves_more_than_is_left_of_floating_and_mimicking_links_on_a_turned_base() {
+    let mut draw = Draw::new();
+    // Of all, and of those that are hardly farther apart than what is proved.
+    let (mut proved, mut near) = (0, 0);
+    for k in 0..30 {
+        let checker = mobile_checker(&mut draw);
+        // Slow and fast: what accelerations may do counts little and much.
+        let path = mobile_path(&mut draw, [0.05, 0.5][k % 2]);
+        let least = least_in_slices(&checker, &path, 1.0);
+        let search = EdgeSearch::new(&checker, &path, (1, Before::Hit));
+        for k in 0..12 {
+            let mut number = |below: usize| (draw.unit().abs() * 1e6) as usize % below;
+            let some = least[number(least.len())][number(16)];
+            // A little less than what some pair keeps, and a little more.
+            let nearest = (some * [0.999, 1.0 + 1e-9][k % 2]).max(0.0);
+            let slices = search.slice(1.0, nearest).unwrap();
+            for (open, least) in (0..).zip(&least) {
+                for (slice, &least) in least.iter().enumerate() {
+                    if slices.prove(open, 1 << slice) {
+                        assert!(least > nearest, "{path:?}: {open} {slice} {least} {nearest}");
+                        proved += 1;
+                        near += u32::from(least < nearest + 0.002);
+                    }
+                }
+            }
+        }
+    }
+    assert!(proved > 5_000 && near > 50, "{proved} {near}");
 }
 
 #[test]

@@ -1,10 +1,17 @@
 //! Proposed triangles beside the faces of A − B by their definition: planes through three of its points with none beyond.
 
 use super::super::super::prepare::{Prepare, prepare_unfused};
+use super::super::super::scene_pairs::ScenePairs;
+use super::super::answers::WriteDepth;
+use super::super::start::Starts;
+use super::super::surface::Surface;
+use super::super::{SEATS, SearchPairs};
 use super::*;
-use crate::Sides;
+use crate::epa::{self, Depth};
 use crate::motion::tests::Draw;
+use crate::query::FoundDepth;
 use crate::simd::frame::SimdFrame;
+use crate::{Accuracy, PosedSupport, Sides};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Aabb, Object, Pose, Scene, Shape, SupportMap};
 use dcd_simd::{Path, dispatch_on};
@@ -122,5 +129,82 @@ fn both_orders_any_path_and_any_other_pairs_propose_the_same() {
     }
     for (k, pair) in pairs.iter().enumerate() {
         assert_eq!(proposed(&scene, Path::best(), &[*pair]), [all[k]]);
+    }
+}
+
+/// Keeps what is found by its number.
+struct Kept(Vec<Option<Depth>>);
+
+impl WriteDepth for Kept {
+    fn write(&mut self, number: usize, found: Option<&FoundDepth>) {
+        self.0[number] = found.map(|found| found.depth);
+    }
+
+    fn prefetch(&self, _: usize) {}
+}
+
+/// The depths that searches find which start with those triangles.
+fn searched(
+    scene: &Scene,
+    (pairs, proposals): (&[Pair], &[Option<Triangle>]),
+    accuracy: Accuracy,
+) -> Vec<Option<Depth>> {
+    let (mut frame, mut aabbs) = (SimdFrame::default(), vec![Aabb::default(); scene.len()]);
+    let part = frame.layout(scene, Sides::One);
+    let path = Path::best();
+    prepare_unfused(path, Prepare { scene, first: 0, part, aabbs: &mut aabbs });
+    let frames = FramePair::of_one(&frame);
+    let numbers: Vec<u32> = (0..).take(pairs.len()).collect();
+    let mut surfaces = Box::<[Surface; SEATS]>::default();
+    let (mut starts, mut apart) = (Starts::default(), Vec::new());
+    starts.begin();
+    let mut kept = Kept(vec![None; pairs.len()]);
+    let search = SearchPairs {
+        objects: ScenePairs { frames, scenes: [scene, scene], pairs },
+        numbers: &numbers,
+        place: 0,
+        accuracy,
+        surfaces: &mut surfaces,
+        starts: &mut starts,
+        proposals,
+        apart: &mut apart,
+        reads_facets: false,
+        looks_ahead: false,
+        answers: &mut kept,
+    };
+    search.search_on(path);
+    kept.0
+}
+
+#[test]
+fn a_search_that_starts_with_any_triangle_ends_with_a_depth_within_its_bound() {
+    let mut draw = Draw(7);
+    let scene = scene(&mut draw, 2000);
+    let pairs: Vec<_> = (0..2000).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
+    let mut triangle = |pair: &Pair| {
+        let counts = [pair.i, pair.j].map(|object| vertices(&scene, object).len());
+        let mut corner = || counts.map(|count| (draw.number().abs() * 1e6) as u32 % count as u32);
+        Some(std::array::from_fn(|_| corner()))
+    };
+    let any: Vec<_> = pairs.iter().map(&mut triangle).collect();
+    let none = vec![None; pairs.len()];
+    let mut scratch = epa::Scratch::default();
+    for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+        let found = searched(&scene, (&pairs, &any), accuracy);
+        let without = searched(&scene, (&pairs, &none), accuracy);
+        for (pair, found) in pairs.iter().zip(&found) {
+            let Some(found) = found else { continue };
+            let side = |object: u32| {
+                let polytope = scene.shape(object as usize).as_polytope().unwrap();
+                PosedSupport::polytope(polytope, &scene.poses()[object as usize])
+            };
+            let exact = epa::depth_of_overlap(side(pair.i), side(pair.j), &mut scratch);
+            assert!(exact.depth > 0.0, "{pair:?}, {accuracy:?}: {found:?} of what does not touch");
+            let holds = found.lower() <= exact.upper() && found.upper() >= exact.lower();
+            assert!(holds, "{pair:?}, {accuracy:?}: {found:?} {exact:?}");
+        }
+        let count = |found: &[Option<Depth>]| found.iter().flatten().count();
+        println!("{accuracy:?}: {} found, {} without a triangle", count(&found), count(&without));
+        assert!(count(&found) > 500 && count(&found) * 100 > count(&without) * 97);
     }
 }
