@@ -26,7 +26,10 @@ impl WideBvh {
         limit: f32,
         visit: &mut dyn FnMut(u32, f32) -> f32,
     ) {
-        dispatch_on(path, Visit { tree: self, test, limit, visit });
+        // Mostly a scene has a tree of moving and one of static objects, and one of the two is empty.
+        if !self.leaves().is_empty() {
+            dispatch_on(path, Visit { tree: self, test, limit, visit });
+        }
     }
 }
 
@@ -43,9 +46,6 @@ impl<T: BoxTest> Kernel for Visit<'_, T> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         let Self { tree, test, mut limit, visit } = self;
-        if tree.leaves().is_empty() {
-            return;
-        }
         let mut stack = ArrayVec::<Entry, STACK>::new();
         stack.push((0.0, 0, tree.levels().len() as u32));
         let (mut keys, mut lanes) = (Row::default(), [0; WIDTH]);

@@ -12,11 +12,12 @@ use dcd_broad::StaticTree;
 use dcd_bvh::WideBvh;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Filter, Motion, Scene};
-use dcd_simd::{Aabb16, BoxTest, Kernel, Lanes, Row, WIDTH, dispatch};
+use dcd_simd::{Aabb16, ArrayVec, BoxTest, Kernel, Lanes, Row, WIDTH, dispatch};
 pub use impacts::{Impacts, PairImpact, Velocity};
 pub use nearest::NearestObject;
 pub use rays::ObjectHit;
 pub use regions::{Found, RegionError};
+use std::cmp::Ordering;
 use std::fmt;
 
 /// Why a scene cannot be queried.
@@ -139,6 +140,19 @@ impl<'f> QueryFilter<'f> {
 /// How many boxes a query begins in, in most scenes where it begins in any; more take a second allocation.
 const MET_FIRST: usize = 64;
 
+/// Of how many objects all boxes are looked at once, whichever of them may be met. No effect on any answer. Larger: objects in a
+/// list that an earlier hit would have left out.
+const FEW: usize = WIDTH;
+
+/// A search that ends with the first or nearest object.
+trait Search {
+    /// Takes in what an object says. Returns whether it is met where the query begins.
+    fn meet(&mut self, object: u32) -> bool;
+
+    /// The key of what is known to be enough: an object whose box has a greater one is not met.
+    fn limit(&self) -> f32;
+}
+
 /// The trees of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Trees<'a> {
@@ -191,8 +205,46 @@ impl<'a> Queries<'a> {
         self.scene
     }
 
-    /// The objects whose boxes have a key of 0, ascending: those that may be met where the query begins. Of what is met
-    /// there the least object counts, so that the first of these that is ends a search.
+    /// Has a search meet the objects whose boxes have a key of 0, ascending, for these may be met where the query begins. Of
+    /// what is met there the least object counts, so that the first of these that is ends it. If none is it meets the others
+    /// whose boxes have a key of at most its limit: the static ones, then the moving ones, nearer nodes first.
+    fn meet_nearest(&self, test: &impl BoxTest, search: &mut impl Search) {
+        if self.scene.len() <= FEW {
+            return self.meet_nearest_of_few(test, search);
+        }
+        if self.met_first(test).into_iter().any(|object| search.meet(object)) {
+            return;
+        }
+        self.visit(test, search.limit(), &mut |object, key| {
+            if key > 0.0 {
+                search.meet(object);
+            }
+            search.limit()
+        });
+    }
+
+    /// The same of at most [`FEW`] objects: their boxes are looked at once.
+    fn meet_nearest_of_few(&self, test: &impl BoxTest, search: &mut impl Search) {
+        let (mut near, limit) = (ArrayVec::<(u32, f32), FEW>::new(), search.limit());
+        self.visit(test, limit, &mut |object, key| {
+            near.push((object, key));
+            limit
+        });
+        let is_later = |key: f32| key > 0.0;
+        // Stable: the later ones stay in their order.
+        near.sort_by(|&(object, key), &(other, beside)| {
+            let of_first = if is_later(key) { Ordering::Equal } else { object.cmp(&other) };
+            is_later(key).cmp(&is_later(beside)).then(of_first)
+        });
+        for &(object, key) in &*near {
+            let is_met = key <= search.limit() && search.meet(object);
+            if is_met && !is_later(key) {
+                return;
+            }
+        }
+    }
+
+    /// The objects whose boxes have a key of 0, ascending.
     fn met_first(&self, test: &impl BoxTest) -> Vec<u32> {
         let mut objects = Vec::new();
         self.visit(test, 0.0, &mut |object, _| {

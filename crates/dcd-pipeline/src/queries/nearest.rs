@@ -1,6 +1,6 @@
 //! The object nearest to a point.
 
-use super::{Queries, QueryError, QueryFilter, check_finite, check_length, order};
+use super::{Queries, QueryError, QueryFilter, Search, check_finite, check_length, order};
 use dcd_exec::Exec;
 use dcd_geom::glam::DVec3;
 use dcd_gjk::PosedShape;
@@ -29,13 +29,14 @@ pub struct NearestObject {
 struct NearestSearch<'a> {
     queries: &'a Queries<'a>,
     point: DVec3,
+    test: &'a BoxDistance,
     filter: &'a QueryFilter<'a>,
     nearest: Option<NearestObject>,
     /// What is farther is not the nearest, metres.
     end: f64,
 }
 
-impl NearestSearch<'_> {
+impl Search for NearestSearch<'_> {
     /// Measures an object. Returns whether it holds the point.
     fn meet(&mut self, object: u32) -> bool {
         let scene = self.queries.scene;
@@ -53,6 +54,10 @@ impl NearestSearch<'_> {
         }
         self.end = self.end.min(upper);
         distance == 0.0
+    }
+
+    fn limit(&self) -> f32 {
+        self.test.key_of(self.end)
     }
 }
 
@@ -72,17 +77,9 @@ impl Queries<'_> {
         if max_distance != f64::INFINITY {
             check_length("distance", max_distance)?;
         }
-        let mut search =
-            NearestSearch { queries: self, point, filter, nearest: None, end: max_distance };
-        let test = BoxDistance::new(point);
-        if !self.met_first(&test).into_iter().any(|object| search.meet(object)) {
-            self.visit(&test, test.key_of(search.end), &mut |object, key| {
-                if key > 0.0 {
-                    search.meet(object);
-                }
-                test.key_of(search.end)
-            });
-        }
+        let (test, end) = (&BoxDistance::new(point), max_distance);
+        let mut search = NearestSearch { queries: self, point, test, filter, nearest: None, end };
+        self.meet_nearest(test, &mut search);
         Ok(search.nearest.filter(|found| found.lower <= max_distance))
     }
 

@@ -1,9 +1,10 @@
 //! Rays through a scene.
 
-use super::{Queries, QueryFilter, order};
+use super::{Queries, QueryFilter, Search, order};
 use dcd_exec::{Exec, Segments};
 use dcd_gjk::PosedShape;
 use dcd_gjk::query::ray::{Ray, RayHit, for_each_hit};
+use dcd_simd::RaySlabs;
 
 /// How many rays a task casts: some tens of microseconds.
 const RAYS_PER_TASK: usize = 32;
@@ -32,16 +33,17 @@ impl ObjectHit {
 struct RayCast<'a> {
     queries: &'a Queries<'a>,
     ray: &'a Ray,
+    slabs: &'a RaySlabs,
     filter: &'a QueryFilter<'a>,
     first: Option<ObjectHit>,
     /// What is met later is not the first.
     end: f64,
 }
 
-impl RayCast<'_> {
+impl Search for RayCast<'_> {
     /// Casts the ray at an object. Returns whether the first hit known is where the ray begins.
     fn meet(&mut self, object: u32) -> bool {
-        let Self { queries, ray, filter, first, end } = self;
+        let Self { queries, ray, filter, first, end, .. } = self;
         if filter.sees(queries.scene, object) {
             for_each_hit(ray, PosedShape::of(queries.scene, object), *end, &mut |hit| {
                 let hit = ObjectHit { object, hit };
@@ -56,6 +58,10 @@ impl RayCast<'_> {
         }
         first.is_some_and(|known| known.hit.t == 0.0)
     }
+
+    fn limit(&self) -> f32 {
+        self.slabs.key_of(self.end)
+    }
 }
 
 impl Queries<'_> {
@@ -65,17 +71,11 @@ impl Queries<'_> {
     ///
     /// A hit that is not certain may be a miss: what is behind it is in [`Queries::all_hits`].
     pub fn first_hit(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Option<ObjectHit> {
+        let slabs = &ray.slabs();
         // Later than its end nothing can be first.
-        let mut search = RayCast { queries: self, ray, filter, first: None, end: ray.max_t() };
-        let slabs = ray.slabs();
-        if !self.met_first(&slabs).into_iter().any(|object| search.meet(object)) {
-            self.visit(&slabs, slabs.key_of(search.end), &mut |object, key| {
-                if key > 0.0 {
-                    search.meet(object);
-                }
-                slabs.key_of(search.end)
-            });
-        }
+        let end = ray.max_t();
+        let mut search = RayCast { queries: self, ray, slabs, filter, first: None, end };
+        self.meet_nearest(slabs, &mut search);
         search.first
     }
 

@@ -4,14 +4,25 @@ use super::*;
 
 #[test]
 fn of_several_objects_that_hold_a_point_the_least_is_the_nearest_and_met_first() {
-    let paper = SceneSpec::paper().with_objects(600).with_seed(5).scene().unwrap();
+    // Of few objects all boxes are looked at once.
+    for (objects, spread) in [(600, 1.0), (16, 0.2)] {
+        the_least_is_the_nearest_and_met_first(objects, spread);
+    }
+}
+
+/// Of so many hulls, whose distances from the middle are multiplied.
+fn the_least_is_the_nearest_and_met_first(objects: usize, spread: f64) {
+    let paper = SceneSpec::paper().with_objects(objects).with_seed(5).scene().unwrap();
     // One shape in five is swept, so that points lie between its core and its surface too.
     let shape = |k: usize| match paper.shape(k) {
         shape if k.is_multiple_of(5) => shape.swept(0.05).unwrap(),
         shape => shape.clone(),
     };
     let placed = (0..paper.len()).map(|k| {
-        let object = Object::new(k as u32, paper.poses()[k]);
+        let pose = paper.poses()[k];
+        let turn = DQuat::from_mat3(pose.rotation());
+        let pose = Pose::new(turn, pose.translation() * spread).unwrap();
+        let object = Object::new(k as u32, pose);
         if k.is_multiple_of(2) { object.fixed() } else { object }
     });
     let scene = Scene::new((0..paper.len()).map(shape).collect(), placed).unwrap();
@@ -21,7 +32,7 @@ fn of_several_objects_that_hold_a_point_the_least_is_the_nearest_and_met_first()
     let (mut random, sphere) = (Random::seeded(59), Shape::sphere(0.0).unwrap());
     let mut crowds = 0;
     for round in 0..300 {
-        let middle = scene.poses()[round].translation();
+        let middle = scene.poses()[round % scene.len()].translation();
         let point = middle + random.vector() * 0.3;
         let at = Pose::from_translation(point).unwrap();
         let point_object = PosedShape { shape: &sphere, pose: &at };
@@ -40,7 +51,7 @@ fn of_several_objects_that_hold_a_point_the_least_is_the_nearest_and_met_first()
         } else {
             assert!(found.upper > 0.0, "round {round}: {found:?}");
         }
-        crowds += usize::from(due.len() > 2);
+        crowds += usize::from(due.len() > 1);
     }
-    assert!(crowds > 30, "{crowds}");
+    assert!(crowds > 20, "{crowds}");
 }
