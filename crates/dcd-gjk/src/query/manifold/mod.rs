@@ -18,6 +18,7 @@ mod cuboids;
 mod facing;
 mod feature;
 mod few;
+mod few_on_plane;
 mod hull_pair;
 mod hull_patches;
 mod mesh_on_plane;
@@ -37,6 +38,7 @@ use crate::epa::{self, Depth};
 use crate::mesh::{self, KnownParts, PartIndex};
 use crate::simd::CuboidPatch;
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
+use alone::Known;
 pub use contacts::ManifoldContacts;
 use corners::Corners;
 pub(crate) use cuboids::case_of;
@@ -222,8 +224,8 @@ impl MeasureAt for Manifolds {
         scratch: &mut Scratch,
     ) -> Verdict<ManifoldSet> {
         if !mesh::have_parts(a.shape, b.shape) {
-            return alone::of_convex(accuracy, [a, b], scratch, |depth, lowest, corners| {
-                of_depth(depth, [a, b], lowest, corners)
+            return alone::of_convex(accuracy, [a, b], scratch, |depth, known, corners| {
+                of_depth(depth, [a, b], known, corners)
             });
         }
         let how = Measure { accuracy, options: self.options };
@@ -322,29 +324,47 @@ fn manifold_of(
     match verdict {
         Verdict::Apart => Verdict::Apart,
         Verdict::Undecided(reason) => Verdict::Undecided(reason),
-        Verdict::Touching(depth) => of_depth(&depth, [a, b], None, corners),
+        Verdict::Touching(depth) => of_depth(&depth, [a, b], Known::Nothing, corners),
     }
 }
 
-/// The same where that is known, and of a shape on a half-space perhaps its lowest vertex, up to rounding.
+/// The same where that is known, and perhaps more.
+// Inlined: what is known decides what is done.
+#[inline(always)]
 fn of_depth(
+    depth: &Depth,
+    [a, b]: [PosedShape<'_>; 2],
+    known: Known,
+    corners: &mut Corners,
+) -> Verdict<ManifoldSet> {
+    let (only, lowest) = match known {
+        Known::Nothing => (in_one_point(depth, [a, b]), None),
+        Known::Lowest(lowest) => (in_one_point(depth, [a, b]), lowest),
+        Known::Outward(outward) => (one_point::of_sphere(depth, [a, b], Some(outward)), None),
+    };
+    if let Some(only) = only {
+        return of_one_point(depth, only);
+    }
+    of_more_points(depth, [a, b], lowest, corners)
+}
+
+/// The same of shapes that may touch in more than one point.
+fn of_more_points(
     depth: &Depth,
     [a, b]: [PosedShape<'_>; 2],
     lowest: Option<u32>,
     corners: &mut Corners,
 ) -> Verdict<ManifoldSet> {
-    if let Some(only) = in_one_point(depth, [a, b]) {
-        return of_one_point(depth, only);
-    }
-    // Looked at where it is: it is as large as two points.
-    let resting = Resting::of(depth, [a, b], lowest);
-    let Some(resting) = &resting else {
-        return written(|found| write_by_corners(depth, [a, b], corners, found));
-    };
-    match resting.in_one_point(depth) {
-        Some(only) => of_one_point(depth, only),
-        None => written(|found| resting.write(depth, found)),
-    }
+    written(|found| {
+        let is_seen =
+            Resting::seen(depth, [a, b], lowest, |resting| match resting.in_one_point(depth) {
+                Some((features, bound)) => found.write_witnesses(depth, features, bound),
+                None => resting.write(depth, found),
+            });
+        if is_seen.is_none() {
+            write_by_corners(depth, [a, b], corners, found);
+        }
+    })
 }
 
 /// One manifold, empty and then written.
