@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::motion::tests::Draw;
-use crate::query::{ManifoldOptions, MeasureAt, PairSolver};
-use crate::{Depths, Manifolds};
+use crate::query::{ManifoldOptions, MeasureAt};
+use crate::{Depths, Manifolds, PairSolver};
+use dcd_geom::SupportMap;
 use dcd_geom::glam::DQuat;
 
 /// Far above what rounding does to lengths of about a metre.
