@@ -8,11 +8,6 @@ use crate::epa::Depth;
 use crate::query::{Accuracy, FoundDepth, MeasureAt, depths};
 use crate::{ContactList, PosedShape, Verdict, closed};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Kind, Shape};
-use dcd_simd::prefetch_few;
-
-/// How many cache lines the vertices of most hulls fill. More: needless prefetches. No effect on any answer.
-const FEW_LINES: usize = 8;
 
 /// What is known of two convex shapes beside their depth.
 #[derive(Clone, Copy)]
@@ -32,7 +27,6 @@ pub(super) fn of_convex<T>(
     Scratch { depth, corners, .. }: &mut Scratch,
     answer: impl FnOnce(&Depth, Known, &mut Corners) -> Verdict<T>,
 ) -> Verdict<T> {
-    prefetch_hull_on_plane([a, b]);
     // The closed forms first: what they find is not moved before it is written.
     if let Some((gap, lowest)) = closed::level::gap_and_lowest(accuracy, a, b) {
         if let Some(found) = gap.depth() {
@@ -51,18 +45,6 @@ pub(super) fn of_convex<T>(
         Verdict::Apart => Verdict::Apart,
         Verdict::Undecided(reason) => Verdict::Undecided(reason),
         Verdict::Touching(found) => answer(&found, Known::Nothing, corners),
-    }
-}
-
-/// Prefetches what is read of a hull on a half-space behind its lowest vertex: each of these waits for the one before it.
-#[inline(always)]
-fn prefetch_hull_on_plane(sides: [PosedShape<'_>; 2]) {
-    if let [Shape::Polytope(polytope), Shape::HalfSpace(_)]
-    | [Shape::HalfSpace(_), Shape::Polytope(polytope)] = sides.map(|side| side.shape)
-        && polytope.kind() == Kind::Hull
-    {
-        prefetch_few::<FEW_LINES, _>(polytope.vertices());
-        polytope.prefetch_facets();
     }
 }
 
