@@ -1,9 +1,13 @@
 //! Two convex shapes of which nothing is known but that they touch.
 
 use super::corners::{Corners, is_sphere};
-use super::one_point::{in_one_point, of_sphere};
+use super::on_plane::Resting;
+use super::one_point::{in_one_point, of_one_point, of_sphere};
 use super::patch_writer::PatchWriter;
-use super::{ManifoldContacts, Manifolds, Scratch, write_by_corners, write_of_polytopes};
+use super::{
+    Manifold, ManifoldContacts, ManifoldSet, Manifolds, Scratch, write_by_corners,
+    write_of_polytopes,
+};
 use crate::epa::Depth;
 use crate::query::{Accuracy, FoundDepth, MeasureAt, depths};
 use crate::{ContactList, PosedShape, Verdict, closed};
@@ -48,6 +52,57 @@ pub(super) fn of_convex<T>(
     }
 }
 
+/// The manifold of that depth.
+// Inlined: what is known decides what is done.
+#[inline(always)]
+pub(super) fn of_depth(
+    depth: &Depth,
+    [a, b]: [PosedShape<'_>; 2],
+    known: Known,
+    corners: &mut Corners,
+) -> Verdict<ManifoldSet> {
+    let (only, lowest) = match known {
+        Known::Nothing => (in_one_point(depth, [a, b]), None),
+        Known::Lowest(lowest) => (in_one_point(depth, [a, b]), lowest),
+        Known::Outward(outward) => (of_sphere(depth, [a, b], Some(outward)), None),
+    };
+    if let Some(only) = only {
+        return of_one_point(depth, only);
+    }
+    of_more_points(depth, [a, b], lowest, corners)
+}
+
+/// The same of shapes that may touch in more than one point.
+fn of_more_points(
+    depth: &Depth,
+    [a, b]: [PosedShape<'_>; 2],
+    lowest: Option<u32>,
+    corners: &mut Corners,
+) -> Verdict<ManifoldSet> {
+    written(|found| {
+        let is_seen =
+            Resting::seen(depth, [a, b], lowest, |resting| match resting.in_one_point(depth) {
+                Some((features, bound)) => found.write_witnesses(depth, features, bound),
+                None => resting.write(depth, found),
+            });
+        if is_seen.is_none() {
+            write_by_corners(depth, [a, b], corners, found);
+        }
+    })
+}
+
+/// One manifold, empty and then written.
+#[inline]
+fn written(write: impl FnOnce(&mut Manifold)) -> Verdict<ManifoldSet> {
+    let mut answer = Verdict::Touching(ManifoldSet::empty_one());
+    if let Verdict::Touching(set) = &mut answer
+        && let Some(found) = set.only_mut()
+    {
+        write(found);
+    }
+    answer
+}
+
 /// Writes the manifold of two objects where a step keeps it, of two polytopes mostly without a copy.
 pub(super) fn write(
     solver: &Manifolds,
@@ -67,7 +122,7 @@ pub(super) fn write(
     })
 }
 
-/// The same of two polytopes of that depth: what [`of_depth`](super::of_depth) has.
+/// The same of two polytopes of that depth: what [`of_depth`] has.
 fn write_of_polytopes_alone(
     (depth, known): (&Depth, Known),
     [a, b]: [PosedShape<'_>; 2],

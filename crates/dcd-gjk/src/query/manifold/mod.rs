@@ -48,8 +48,7 @@ use dcd_simd::{ArrayVec, Path, dispatch_on};
 pub(crate) use facing::{FACING, LEVEL};
 use feature::View;
 use hull_patches::{PAIRS, Packet, WriteSeveral};
-use on_plane::Resting;
-use one_point::{in_one_point, of_one_point};
+use one_point::in_one_point;
 use parts::Measure;
 use patch_writer::{InOrder, PatchWriter};
 pub use set::ManifoldSet;
@@ -225,7 +224,7 @@ impl MeasureAt for Manifolds {
     ) -> Verdict<ManifoldSet> {
         if !mesh::have_parts(a.shape, b.shape) {
             return alone::of_convex(accuracy, [a, b], scratch, |depth, known, corners| {
-                of_depth(depth, [a, b], known, corners)
+                alone::of_depth(depth, [a, b], known, corners)
             });
         }
         let how = Measure { accuracy, options: self.options };
@@ -324,59 +323,8 @@ fn manifold_of(
     match verdict {
         Verdict::Apart => Verdict::Apart,
         Verdict::Undecided(reason) => Verdict::Undecided(reason),
-        Verdict::Touching(depth) => of_depth(&depth, [a, b], Known::Nothing, corners),
+        Verdict::Touching(depth) => alone::of_depth(&depth, [a, b], Known::Nothing, corners),
     }
-}
-
-/// The same where that is known, and perhaps more.
-// Inlined: what is known decides what is done.
-#[inline(always)]
-fn of_depth(
-    depth: &Depth,
-    [a, b]: [PosedShape<'_>; 2],
-    known: Known,
-    corners: &mut Corners,
-) -> Verdict<ManifoldSet> {
-    let (only, lowest) = match known {
-        Known::Nothing => (in_one_point(depth, [a, b]), None),
-        Known::Lowest(lowest) => (in_one_point(depth, [a, b]), lowest),
-        Known::Outward(outward) => (one_point::of_sphere(depth, [a, b], Some(outward)), None),
-    };
-    if let Some(only) = only {
-        return of_one_point(depth, only);
-    }
-    of_more_points(depth, [a, b], lowest, corners)
-}
-
-/// The same of shapes that may touch in more than one point.
-fn of_more_points(
-    depth: &Depth,
-    [a, b]: [PosedShape<'_>; 2],
-    lowest: Option<u32>,
-    corners: &mut Corners,
-) -> Verdict<ManifoldSet> {
-    written(|found| {
-        let is_seen =
-            Resting::seen(depth, [a, b], lowest, |resting| match resting.in_one_point(depth) {
-                Some((features, bound)) => found.write_witnesses(depth, features, bound),
-                None => resting.write(depth, found),
-            });
-        if is_seen.is_none() {
-            write_by_corners(depth, [a, b], corners, found);
-        }
-    })
-}
-
-/// One manifold, empty and then written.
-#[inline]
-fn written(write: impl FnOnce(&mut Manifold)) -> Verdict<ManifoldSet> {
-    let mut answer = Verdict::Touching(ManifoldSet::empty_one());
-    if let Verdict::Touching(set) = &mut answer
-        && let Some(found) = set.only_mut()
-    {
-        write(found);
-    }
-    answer
 }
 
 /// The manifolds of shapes of parts at the accuracy of f32.
