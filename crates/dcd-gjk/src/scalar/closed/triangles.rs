@@ -120,6 +120,62 @@ mod tests {
     use super::*;
     use crate::motion::tests::Draw;
 
+    /// By the first feature that is nearest, one after the other.
+    fn branching([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
+        let (ab, ac) = (b - a, c - a);
+        let share = |along: f64, rest: f64| (along / (along + rest)).clamp(0.0, 1.0);
+        let [d1, d2] = [ab, ac].map(|edge| edge.dot(point - a));
+        let [d3, d4] = [ab, ac].map(|edge| edge.dot(point - b));
+        let [d5, d6] = [ab, ac].map(|edge| edge.dot(point - c));
+        let (of_c, of_b, of_a) = (d1 * d4 - d3 * d2, d5 * d2 - d1 * d6, d3 * d6 - d5 * d4);
+        if d1 <= 0.0 && d2 <= 0.0 {
+            [1.0, 0.0, 0.0]
+        } else if d3 >= 0.0 && d4 <= d3 {
+            [0.0, 1.0, 0.0]
+        } else if of_c <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+            let t = share(d1, -d3);
+            [1.0 - t, t, 0.0]
+        } else if d6 >= 0.0 && d5 <= d6 {
+            [0.0, 0.0, 1.0]
+        } else if of_b <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+            let t = share(d2, -d6);
+            [1.0 - t, 0.0, t]
+        } else if of_a <= 0.0 && d4 >= d3 && d5 >= d6 {
+            let t = share(d4 - d3, d5 - d6);
+            [0.0, 1.0 - t, t]
+        } else {
+            let total = of_a + of_b + of_c;
+            let v = (of_b / total).clamp(0.0, 1.0);
+            let w = (of_c / total).clamp(0.0, 1.0 - v);
+            [1.0 - v - w, v, w]
+        }
+    }
+
+    #[test]
+    fn the_weights_are_those_of_the_first_feature_that_is_nearest() {
+        let mut draw = Draw(6);
+        let mut counts = [0; 8];
+        for round in 0..20_000 {
+            let mut corners = [0; 3].map(|_| draw.vector());
+            match round % 10 {
+                0 => corners[2] = corners[1],
+                1 => corners[2] = corners[0].lerp(corners[1], 0.5) + draw.vector() * 1e-9,
+                2 => corners = [corners[0]; 3],
+                _ => {}
+            }
+            let point = match round % 7 {
+                0 => corners[round % 3],
+                1 => corners[0].lerp(corners[2], 0.3),
+                _ => draw.vector() * 2.0,
+            };
+            let found = weights(corners, point);
+            assert_eq!(found, branching(corners, point), "{round}: {corners:?} {point}");
+            let feature = found.iter().enumerate().map(|(k, &w)| usize::from(w > 0.0) << k);
+            counts[feature.sum::<usize>()] += 1;
+        }
+        assert!(counts[1..].iter().all(|&count| count > 200), "{counts:?}");
+    }
+
     /// The least distance over the segment, whose distance from a triangle is convex along it: by thirds.
     fn least(corners: [DVec3; 3], [from, to]: [DVec3; 2]) -> f64 {
         let distance = |t: f64| {
