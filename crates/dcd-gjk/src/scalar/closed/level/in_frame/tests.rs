@@ -22,7 +22,7 @@ fn a_part_is_as_deep_below_a_plane_in_its_frame_as_in_the_world() {
             _ => Shape::cuboid(half).and_then(|cuboid| cuboid.rounded(0.05)),
         };
         let (part, at) = (made.unwrap(), pose(&mut draw, 0.4));
-        let plane = Shape::half_space(draw.vector(), 0.2).unwrap();
+        let plane = Shape::half_space(draw.vector(), -0.3).unwrap();
         let far = if k % 3 == 0 { 1e3 } else { 0.3 };
         let (frame, ground) = (pose(&mut draw, far), pose(&mut draw, 0.3));
         let ground = match k % 3 {
