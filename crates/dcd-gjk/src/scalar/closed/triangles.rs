@@ -3,7 +3,6 @@
 use super::segments::{PosedCore, parameters};
 use dcd_geom::Kind;
 use dcd_geom::glam::DVec3;
-use std::hint::select_unpredictable;
 
 /// A point of each core, in its own frame, that are the nearest but for rounding where the cores do not meet.
 /// `delta` is from the second's origin to the first's.
@@ -40,35 +39,41 @@ fn combined([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
 
 /// The weights of the corners in the triangle's point that is nearest.
 ///
-/// All seven features are computed, and one is selected: which one it is cannot be predicted.
 /// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5.
 fn weights([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
     let (ab, ac) = (b - a, c - a);
-    let (from_a, from_b, from_c) = (point - a, point - b, point - c);
-    let [d1, d2] = [ab.dot(from_a), ac.dot(from_a)];
-    let [d3, d4] = [ab.dot(from_b), ac.dot(from_b)];
-    let [d5, d6] = [ab.dot(from_c), ac.dot(from_c)];
-    let (of_c, of_b, of_a) = (d1 * d4 - d3 * d2, d5 * d2 - d1 * d6, d3 * d6 - d5 * d4);
     let share = |along: f64, rest: f64| (along / (along + rest)).clamp(0.0, 1.0);
-    let (on_ab, on_ac, on_bc) = (share(d1, -d3), share(d2, -d6), share(d4 - d3, d5 - d6));
+    let [d1, d2] = [ab, ac].map(|edge| edge.dot(point - a));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    let [d3, d4] = [ab, ac].map(|edge| edge.dot(point - b));
+    if d3 >= 0.0 && d4 <= d3 {
+        return [0.0, 1.0, 0.0];
+    }
+    let of_c = d1 * d4 - d3 * d2;
+    if of_c <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let t = share(d1, -d3);
+        return [1.0 - t, t, 0.0];
+    }
+    let [d5, d6] = [ab, ac].map(|edge| edge.dot(point - c));
+    if d6 >= 0.0 && d5 <= d6 {
+        return [0.0, 0.0, 1.0];
+    }
+    let of_b = d5 * d2 - d1 * d6;
+    if of_b <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let t = share(d2, -d6);
+        return [1.0 - t, 0.0, t];
+    }
+    let of_a = d3 * d6 - d5 * d4;
+    if of_a <= 0.0 && d4 >= d3 && d5 >= d6 {
+        let t = share(d4 - d3, d5 - d6);
+        return [0.0, 1.0 - t, t];
+    }
     let total = of_a + of_b + of_c;
     let v = (of_b / total).clamp(0.0, 1.0);
-    // Of a needle both may be NaN, of which `clamp` panics, and which is not selected then.
-    let w = (of_c / total).max(0.0).min(1.0 - v);
-    // The first that is true counts: the last that is selected.
-    let mut found = [1.0 - v - w, v, w];
-    let mut take = |is_nearest: bool, weights: [f64; 3]| {
-        for (weight, other) in found.iter_mut().zip(weights) {
-            *weight = select_unpredictable(is_nearest, other, *weight);
-        }
-    };
-    take((of_a <= 0.0) & (d4 >= d3) & (d5 >= d6), [0.0, 1.0 - on_bc, on_bc]);
-    take((of_b <= 0.0) & (d2 >= 0.0) & (d6 <= 0.0), [1.0 - on_ac, 0.0, on_ac]);
-    take((d6 >= 0.0) & (d5 <= d6), [0.0, 0.0, 1.0]);
-    take((of_c <= 0.0) & (d1 >= 0.0) & (d3 <= 0.0), [1.0 - on_ab, on_ab, 0.0]);
-    take((d3 >= 0.0) & (d4 <= d3), [0.0, 1.0, 0.0]);
-    take((d1 <= 0.0) & (d2 <= 0.0), [1.0, 0.0, 0.0]);
-    found
+    let w = (of_c / total).clamp(0.0, 1.0 - v);
+    [1.0 - v - w, v, w]
 }
 
 /// The same for a segment, and where on it the nearest point is: an end against the triangle, or the segment
@@ -119,62 +124,6 @@ fn apart(corners: [DVec3; 3], (weights, t): ([f64; 3], f64), from: DVec3, along:
 mod tests {
     use super::*;
     use crate::motion::tests::Draw;
-
-    /// By the first feature that is nearest, one after the other.
-    fn branching([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
-        let (ab, ac) = (b - a, c - a);
-        let share = |along: f64, rest: f64| (along / (along + rest)).clamp(0.0, 1.0);
-        let [d1, d2] = [ab, ac].map(|edge| edge.dot(point - a));
-        let [d3, d4] = [ab, ac].map(|edge| edge.dot(point - b));
-        let [d5, d6] = [ab, ac].map(|edge| edge.dot(point - c));
-        let (of_c, of_b, of_a) = (d1 * d4 - d3 * d2, d5 * d2 - d1 * d6, d3 * d6 - d5 * d4);
-        if d1 <= 0.0 && d2 <= 0.0 {
-            [1.0, 0.0, 0.0]
-        } else if d3 >= 0.0 && d4 <= d3 {
-            [0.0, 1.0, 0.0]
-        } else if of_c <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-            let t = share(d1, -d3);
-            [1.0 - t, t, 0.0]
-        } else if d6 >= 0.0 && d5 <= d6 {
-            [0.0, 0.0, 1.0]
-        } else if of_b <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-            let t = share(d2, -d6);
-            [1.0 - t, 0.0, t]
-        } else if of_a <= 0.0 && d4 >= d3 && d5 >= d6 {
-            let t = share(d4 - d3, d5 - d6);
-            [0.0, 1.0 - t, t]
-        } else {
-            let total = of_a + of_b + of_c;
-            let v = (of_b / total).clamp(0.0, 1.0);
-            let w = (of_c / total).clamp(0.0, 1.0 - v);
-            [1.0 - v - w, v, w]
-        }
-    }
-
-    #[test]
-    fn the_weights_are_those_of_the_first_feature_that_is_nearest() {
-        let mut draw = Draw(6);
-        let mut counts = [0; 8];
-        for round in 0..20_000 {
-            let mut corners = [0; 3].map(|_| draw.vector());
-            match round % 10 {
-                0 => corners[2] = corners[1],
-                1 => corners[2] = corners[0].lerp(corners[1], 0.5) + draw.vector() * 1e-9,
-                2 => corners = [corners[0]; 3],
-                _ => {}
-            }
-            let point = match round % 7 {
-                0 => corners[round % 3],
-                1 => corners[0].lerp(corners[2], 0.3),
-                _ => draw.vector() * 2.0,
-            };
-            let found = weights(corners, point);
-            assert_eq!(found, branching(corners, point), "{round}: {corners:?} {point}");
-            let feature = found.iter().enumerate().map(|(k, &w)| usize::from(w > 0.0) << k);
-            counts[feature.sum::<usize>()] += 1;
-        }
-        assert!(counts[1..].iter().all(|&count| count > 200), "{counts:?}");
-    }
 
     /// The least distance over the segment, whose distance from a triangle is convex along it: by thirds.
     fn least(corners: [DVec3; 3], [from, to]: [DVec3; 2]) -> f64 {
