@@ -8,6 +8,7 @@ use crate::closed::nearest_of_triangle;
 use crate::epa::Depth;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Pose, Shape};
+use std::hint::select_unpredictable;
 
 /// What the corners of a triangle lose on their way into the cuboid's frame. Unit: u·m.
 pub(super) const PLACED: f64 = 40.0;
@@ -351,11 +352,13 @@ impl Axes {
         // The cuboid goes along the axis, or against it.
         let [forth, back] = [high + of_cuboid, of_cuboid - low];
         let is_back = forth > back;
-        let reach = if is_back { back } else { forth };
+        let reach = select_unpredictable(is_back, back, forth);
         self.at_least = smaller(self.at_least, reach - off * self.size);
-        if reach < self.reach {
-            (self.reach, self.number, self.is_back) = (reach, number, is_back);
-        }
+        // Selected: which axis is the least cannot be predicted.
+        let is_less = reach < self.reach;
+        self.reach = select_unpredictable(is_less, reach, self.reach);
+        self.number = select_unpredictable(is_less, number, self.number);
+        self.is_back = select_unpredictable(is_less, is_back, self.is_back);
     }
 
     /// The product of an edge and a direction of the cuboid, of one by that length: from the edge, its first corner, the

@@ -13,7 +13,7 @@ use crate::epa::{self, Depth};
 use crate::mesh::{self, OfTriangle};
 use crate::{PosedShape, PosedSupport, Verdict, certified, closed};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{HalfSpace, Kind, Part, Pose, Shape, SupportMap};
+use dcd_geom::{Kind, Part, Polytope, Pose, Shape, SupportMap};
 use dcd_simd::ArrayVec;
 pub(super) use framed::Framed;
 use std::cell::OnceCell;
@@ -31,10 +31,10 @@ const IN_FRAME: f64 = 8.5;
 /// The most that may be, relative to the part's reach: far from the origin rounding is more than the accuracy allows.
 const NEAR: f64 = 1e-10;
 
-/// The largest deviation of the pose of a half-space whose plane is compared with spheres.
+/// The largest deviation of the pose of a half-space or triangle whose normal is that of a slab.
 const TURNED: f64 = 1e-12;
 
-/// What the height of a sphere's centre over such a plane may be off. Relative to the lengths. Derived: 2.1 times
+/// What the height of a sphere's centre over such a slab may be off. Relative to the lengths. Derived: 2.1 times
 /// [`TURNED`], and 24u. Smaller: parts that are missed.
 const ABOVE: f64 = 4e-12;
 
@@ -48,7 +48,7 @@ struct Placed<'a> {
     /// A sphere round it; of infinite radius for a half-space. World.
     centre: DVec3,
     radius: f64,
-    plane: Option<Plane>,
+    slab: Option<Slab>,
     at: At<'a>,
 }
 
@@ -66,13 +66,14 @@ enum Frame {
     Other,
 }
 
-/// That of a half-space, in world axes.
+/// Between which heights a half-space or a triangle is along its normal, in world axes.
 #[derive(Clone, Copy)]
-struct Plane {
+struct Slab {
     /// Of unit length, but for rounding.
     outward: DVec3,
-    /// How far along that it is.
-    offset: f64,
+    /// How far along that it begins, −∞ for a half-space, and ends.
+    low: f64,
+    high: f64,
     /// At least the lengths that this was computed with.
     far: f64,
 }
@@ -95,30 +96,28 @@ impl<'a> Placed<'a> {
     // Written where it is kept.
     #[inline(always)]
     fn of(whole: PosedShape<'a>, part: Option<&'a Part>, frame: Frame) -> Option<Self> {
-        let pose = part.map(|part| &part.pose);
-        let mut plane = None;
-        let (middle, radius) = match part.map_or(whole.shape, Part::placed) {
+        // As it was given: what was placed is in memory that nothing else reads.
+        let shape = part.map_or(whole.shape, |part| &part.shape);
+        let (middle, radius) = match shape {
             Shape::Polytope(polytope) => {
                 (polytope.inner().centre, polytope.outer_radius() + polytope.swept_radius())
             }
             Shape::Curved(curved) => (DVec3::ZERO, curved.reach() + curved.swept_radius()),
-            Shape::HalfSpace(half_space) => {
-                plane = Plane::of(half_space, whole.pose);
-                (DVec3::ZERO, f64::INFINITY)
-            }
-            // A cylinder or cone that was moved.
-            Shape::Custom(_) => {
-                let curved = part?.moved_curved()?;
-                (pose?.translation(), curved.reach() + curved.swept_radius())
-            }
+            Shape::HalfSpace(_) => (DVec3::ZERO, f64::INFINITY),
             _ => return None,
         };
-        let (centre, at) = match (part, frame) {
-            (None, _) => (whole.pose.apply(middle), At::Known(whole.pose, 0.0)),
-            (Some(part), Frame::Own) => (middle, At::Known(&part.pose, moved_in_frame(part)?)),
-            (Some(_), Frame::Other) => (whole.pose.apply(middle), At::Product(OnceCell::new())),
+        let Some(part) = part else {
+            let (centre, at) = (whole.pose.apply(middle), At::Known(whole.pose, 0.0));
+            return Some(Self { whole, part, centre, radius, slab: Slab::of(whole), at });
         };
-        Some(Self { whole, part, centre, radius, plane, at })
+        let (middle, moved) = (part.pose.apply(middle), moved_in_frame(part)?);
+        // What was placed is elsewhere by that, and so may the centre be.
+        let radius = radius + 2.0 * moved;
+        let (centre, at) = match frame {
+            Frame::Own => (middle, At::Known(&part.pose, moved)),
+            Frame::Other => (whole.pose.apply(middle), At::Product(OnceCell::new())),
+        };
+        Some(Self { whole, part: Some(part), centre, radius, slab: None, at })
     }
 
     /// As it was given, where it is; and by how much it is moved.
@@ -134,36 +133,63 @@ impl<'a> Placed<'a> {
         Some((PosedShape { shape, pose }, moved))
     }
 
-    /// At most how far apart two are, as the spheres round them show, or a sphere and a plane.
+    /// At most how far apart two are, as the spheres round them show, or a sphere and a slab.
     fn gap(&self, other: &Self) -> f64 {
-        match (self.plane, other.plane) {
-            (Some(plane), None) => return other.gap_above(plane),
-            (None, Some(plane)) => return self.gap_above(plane),
-            _ => {}
-        }
+        let of_slab = match (self.slab, other.slab) {
+            (Some(slab), None) => other.gap_beside(slab),
+            (None, Some(slab)) => self.gap_beside(slab),
+            _ => f64::NEG_INFINITY,
+        };
         let far = self.centre.abs().element_sum() + other.centre.abs().element_sum();
         let radii = (self.radius + other.radius) * (1.0 + 1e-5);
-        self.centre.distance(other.centre) - radii - 64.0 * UNIT * far
+        let of_spheres = self.centre.distance(other.centre) - radii - 64.0 * UNIT * far;
+        // A sphere round a half-space says nothing.
+        if of_spheres > of_slab { of_spheres } else { of_slab }
     }
 
-    /// The same of the sphere and a plane.
-    fn gap_above(&self, Plane { outward, offset, far }: Plane) -> f64 {
-        let height = outward.dot(self.centre) - offset;
+    /// The same of the sphere and a slab.
+    fn gap_beside(&self, Slab { outward, low, high, far }: Slab) -> f64 {
+        let height = outward.dot(self.centre);
         let lost = ABOVE * (far + self.centre.abs().element_sum());
-        height - self.radius * (1.0 + 1e-5) - lost
+        (height - high).max(low - height) - self.radius * (1.0 + 1e-5) - lost
     }
 }
 
-impl Plane {
-    /// `None` of a pose that is hardly a rotation.
-    fn of(half_space: &HalfSpace, pose: &Pose) -> Option<Self> {
-        let (length, place) = (half_space.normal().length(), pose.translation());
-        let outward = *pose.rotation() * (half_space.normal() / length);
-        let own = half_space.offset() / length;
-        let radius = half_space.swept_radius();
-        let far = place.abs().element_sum() + own.abs() + radius;
-        let offset = outward.dot(place) + own + radius;
-        (pose.deviation() <= TURNED).then_some(Self { outward, offset, far })
+impl Slab {
+    /// `None` of other shapes, and of a pose that is hardly a rotation.
+    fn of(side: PosedShape<'_>) -> Option<Self> {
+        let (pose, place) = (side.pose, side.pose.translation());
+        if !(pose.deviation() <= TURNED) {
+            return None;
+        }
+        match side.shape {
+            Shape::HalfSpace(half_space) => {
+                let length = half_space.normal().length();
+                let outward = *pose.rotation() * (half_space.normal() / length);
+                let own = half_space.offset() / length;
+                let radius = half_space.swept_radius();
+                let far = place.abs().element_sum() + own.abs() + radius;
+                let high = outward.dot(place) + own + radius;
+                Some(Self { outward, low: f64::NEG_INFINITY, high, far })
+            }
+            Shape::Polytope(triangle) if triangle.kind() == Kind::Triangle => {
+                Self::of_triangle(triangle, pose)
+            }
+            _ => None,
+        }
+    }
+
+    /// Any direction of unit length would do: the heights are those of the corners.
+    fn of_triangle(triangle: &Polytope, pose: &Pose) -> Option<Self> {
+        let &[p, q, r] = triangle.vertices() else { return None };
+        let radius = triangle.swept_radius();
+        let [p, q, r] = [p, q, r].map(|corner| pose.apply(corner));
+        let outward = (q - p).cross(r - p).try_normalize()?;
+        let [of_p, of_q, of_r] = [p, q, r].map(|corner| outward.dot(corner));
+        let low = of_p.min(of_q).min(of_r) - radius;
+        let high = of_p.max(of_q).max(of_r) + radius;
+        let far = pose.translation().abs().element_sum() + 2.0 * triangle.reach() + radius;
+        Some(Self { outward, low, high, far })
     }
 }
 
@@ -179,7 +205,7 @@ pub(super) fn place(whole: &Pose, part: &Part) -> Option<(Pose, f64)> {
 }
 
 /// How far a part may be from where its compound has it, in the compound's frame. `None` where that is too far.
-fn moved_in_frame(part: &Part) -> Option<f64> {
+pub(super) fn moved_in_frame(part: &Part) -> Option<f64> {
     let reach = part.shape.reach();
     let size = reach + part.pose.translation().length();
     // Of a curved part that was moved the support map is what answers are given for.

@@ -1,34 +1,106 @@
 //! Two convex shapes of which nothing is known but that they touch.
 
-use super::corners::Corners;
-use super::one_point::in_one_point;
+use super::corners::{Corners, is_sphere};
+use super::on_plane::Resting;
+use super::one_point::{in_one_point, of_one_point, of_sphere};
 use super::patch_writer::PatchWriter;
-use super::{ManifoldContacts, Manifolds, Scratch, write_by_corners, write_of_polytopes};
+use super::{
+    Manifold, ManifoldContacts, ManifoldSet, Manifolds, Scratch, write_by_corners,
+    write_of_polytopes,
+};
 use crate::epa::Depth;
 use crate::query::{Accuracy, FoundDepth, MeasureAt, depths};
 use crate::{ContactList, PosedShape, Verdict, closed};
+use dcd_geom::glam::DVec3;
 
-/// What `answer` makes of the depth of two convex shapes, and of a shape on a half-space perhaps of its lowest vertex.
+/// What is known of two convex shapes beside their depth.
+#[derive(Clone, Copy)]
+pub(super) enum Known {
+    Nothing,
+    /// Of a shape on a half-space perhaps the lowest vertex, up to rounding.
+    Lowest(Option<u32>),
+    /// Where a sphere is from the other shape, in that one's frame: of unit length.
+    Outward(DVec3),
+}
+
+/// What `answer` makes of the depth of two convex shapes, and of what else is known of them.
 #[inline(always)]
 pub(super) fn of_convex<T>(
     accuracy: Accuracy,
     [a, b]: [PosedShape<'_>; 2],
     Scratch { depth, corners, .. }: &mut Scratch,
-    answer: impl FnOnce(&Depth, Option<u32>, &mut Corners) -> Verdict<T>,
+    answer: impl FnOnce(&Depth, Known, &mut Corners) -> Verdict<T>,
 ) -> Verdict<T> {
     // The closed forms first: what they find is not moved before it is written.
     if let Some((gap, lowest)) = closed::level::gap_and_lowest(accuracy, a, b) {
         if let Some(found) = gap.depth() {
-            return answer(&found, lowest, corners);
+            return answer(&found, Known::Lowest(lowest), corners);
+        }
+    } else if (is_sphere(a) || is_sphere(b))
+        && let Some((gap, outward)) = closed::centred::gap_and_outward(accuracy, a, b)
+    {
+        if let Some(found) = gap.depth() {
+            return answer(&found, Known::Outward(outward), corners);
         }
     } else if let Some(found) = depths::by_frame(accuracy, a, b) {
-        return answer(&found, None, corners);
+        return answer(&found, Known::Nothing, corners);
     }
     match depths::without_frame(accuracy, a, b, depth) {
         Verdict::Apart => Verdict::Apart,
         Verdict::Undecided(reason) => Verdict::Undecided(reason),
-        Verdict::Touching(found) => answer(&found, None, corners),
+        Verdict::Touching(found) => answer(&found, Known::Nothing, corners),
     }
+}
+
+/// The manifold of that depth.
+// Inlined: what is known decides what is done.
+#[inline(always)]
+pub(super) fn of_depth(
+    depth: &Depth,
+    [a, b]: [PosedShape<'_>; 2],
+    known: Known,
+    corners: &mut Corners,
+) -> Verdict<ManifoldSet> {
+    let (only, lowest) = match known {
+        Known::Nothing => (in_one_point(depth, [a, b]), None),
+        Known::Lowest(lowest) => (in_one_point(depth, [a, b]), lowest),
+        Known::Outward(outward) => (of_sphere(depth, [a, b], Some(outward)), None),
+    };
+    if let Some(only) = only {
+        return of_one_point(depth, only);
+    }
+    of_more_points(depth, [a, b], lowest, corners)
+}
+
+/// The same of shapes that may touch in more than one point.
+fn of_more_points(
+    depth: &Depth,
+    [a, b]: [PosedShape<'_>; 2],
+    lowest: Option<u32>,
+    corners: &mut Corners,
+) -> Verdict<ManifoldSet> {
+    written(|found| {
+        let is_seen =
+            Resting::seen(depth, [a, b], lowest, |resting| match resting.in_one_point(depth) {
+                Some((features, bound)) => found.write_witnesses(depth, features, bound),
+                None => resting.write(depth, found),
+            });
+        if is_seen.is_none() {
+            write_by_corners(depth, [a, b], corners, found);
+        }
+    })
+}
+
+/// One manifold, empty and then written.
+#[inline]
+fn written(write: impl FnOnce(&mut Manifold)) -> Verdict<ManifoldSet> {
+    let mut answer = Verdict::Touching(ManifoldSet::empty_one());
+    if let Verdict::Touching(set) = &mut answer
+        && let Some(found) = set.only_mut()
+    {
+        write(found);
+    }
+    answer
 }
 
 /// Writes the manifold of two objects where a step keeps it, of two polytopes mostly without a copy.
@@ -44,21 +116,25 @@ pub(super) fn write(
         let measured = solver.measure_at(accuracy, a, b, scratch);
         return measured.map(|answer| contacts.set(number, answer));
     }
-    of_convex(accuracy, sides, scratch, |depth, _, corners| {
-        write_of_polytopes_alone(depth, sides, corners, (contacts, number));
+    of_convex(accuracy, sides, scratch, |depth, known, corners| {
+        write_of_polytopes_alone((depth, known), sides, corners, (contacts, number));
         Verdict::Touching(())
     })
 }
 
-/// The same of two polytopes of that depth: what [`of_depth`](super::of_depth) has.
+/// The same of two polytopes of that depth: what [`of_depth`] has.
 fn write_of_polytopes_alone(
-    depth: &Depth,
+    (depth, known): (&Depth, Known),
     [a, b]: [PosedShape<'_>; 2],
     corners: &mut Corners,
     (contacts, number): (&mut ManifoldContacts, usize),
 ) {
+    let only = match known {
+        Known::Outward(outward) => of_sphere(depth, [a, b], Some(outward)),
+        _ => in_one_point(depth, [a, b]),
+    };
     let known = FoundDepth { depth: *depth, farthest: None };
-    if let Some((features, error_bound)) = in_one_point(depth, [a, b]) {
+    if let Some((features, error_bound)) = only {
         contacts.writer().write_witnesses(depth, features, error_bound);
     } else if !write_of_polytopes(&known, a, b, corners, contacts.writer()) {
         contacts.write(number, |set| {

@@ -88,7 +88,7 @@ impl Corners {
             return patch.whole;
         }
         let [a, b] = sides;
-        if let Some(of_sphere) = of_sphere(view.normal(), sides) {
+        if let Some(of_sphere) = of_sphere(view.normal(), sides, None) {
             self.size = self.size.max(of_sphere.size);
             return of_sphere.features;
         }
@@ -332,16 +332,24 @@ pub(super) struct OfSphere {
     pub(super) size: f64,
 }
 
-/// `None` where neither is a sphere, and against half-spaces and foreign shapes.
-#[inline]
-pub(super) fn of_sphere(normal: DVec3, [a, b]: [PosedShape<'_>; 2]) -> Option<OfSphere> {
+/// `None` where neither is a sphere, and against half-spaces and foreign shapes. Where the sphere is from the other shape may
+/// be known in that one's frame, of unit length.
+#[inline(always)]
+pub(super) fn of_sphere(
+    normal: DVec3,
+    [a, b]: [PosedShape<'_>; 2],
+    outward: Option<DVec3>,
+) -> Option<OfSphere> {
     let (other, towards) = match [is_sphere(a), is_sphere(b)] {
         [true, _] => (b, -normal),
         [false, true] => (a, normal),
         [false, false] => return None,
     };
     let own = match other.shape {
-        Shape::Polytope(polytope) => name(polytope, other.pose.rotation().transpose() * towards),
+        Shape::Polytope(polytope) => {
+            let turned = || other.pose.rotation().transpose() * towards;
+            name(polytope, outward.unwrap_or_else(turned))
+        }
         Shape::Curved(_) => Feature::Surface,
         _ => return None,
     };

@@ -1,9 +1,12 @@
 //! Which face, edge or vertex of a polytope faces a direction.
 
+mod triangle;
+
 use super::{Feature, cuboids};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Facets, HalfEdge, Kind, Polytope};
 use std::hint::select_unpredictable;
+use triangle::Triangle;
 
 /// The least cosine between a face's normal and the contact's for the face to lie in it: 15
 /// degrees. Larger: boxes that rock on two points. Smaller: points far from where shapes touch.
@@ -14,13 +17,6 @@ pub(crate) const LEVEL: f64 = 0.259;
 
 /// How far below the farthest a vertex may be to count as farthest, relative to the size.
 const FARTHEST: f64 = 1e-9;
-
-/// The area of a triangle beside the square of its longest edge below which its normal is left to the list of faces.
-const NEEDLE: f64 = 1e-5;
-
-/// The squares of lengths, metres², of which areas are compared by their squares: these stay in range. Others are left to the
-/// list of faces.
-const TRIANGLES: std::ops::Range<f64> = 1e-70..1e70;
 
 /// A face, an edge or a vertex of a shape.
 #[derive(Clone, Copy)]
@@ -37,7 +33,7 @@ pub(super) fn name(polytope: &Polytope, direction: DVec3) -> Feature {
     let at_once = match polytope.kind() {
         Kind::Point => Some(Feature::Vertex(0)),
         Kind::Segment => choice.of_segment().map(|part| part.name()),
-        Kind::Triangle => choice.of_triangle().map(|part| part.name()),
+        Kind::Triangle => choice.triangle().map(|triangle| triangle.name(direction)),
         _ => cuboids::feature(polytope, direction),
     };
     at_once.unwrap_or_else(|| choice.searched().name())
@@ -60,47 +56,6 @@ impl<'a> Part<'a> {
             Some(corner) => choice.round_corner(corner),
             None => choice.part(),
         }
-    }
-
-    /// Which of three corners, counter-clockwise round the first face's normal, face a direction of their own axes, of unit
-    /// length; `None` of a needle.
-    #[inline(always)]
-    pub(super) fn of_triangle(corners: [DVec3; 3], direction: DVec3) -> Option<Part<'static>> {
-        let [p, q, r] = corners;
-        let edges = [q - p, r - p, r - q];
-        let normal = edges[0].cross(edges[1]);
-        let squares = edges.map(DVec3::length_squared);
-        let longest = squares[0].max(squares[1]).max(squares[2]);
-        let area = normal.length_squared();
-        // By squares: no root is taken, but of a face. Written so that NaN, and what leaves the range, is a needle.
-        if !(area > NEEDLE * NEEDLE * (longest * longest) && TRIANGLES.contains(&longest)) {
-            return None;
-        }
-        let facing = normal.dot(direction);
-        if facing * facing > FACING * FACING * area {
-            let unit = normal.normalize();
-            return Some(match facing > 0.0 {
-                true => Part::Face { index: 0, normal: unit, corners: &[0, 1, 2] },
-                false => Part::Face { index: 1, normal: -unit, corners: &[2, 1, 0] },
-            });
-        }
-        let along = corners.map(|corner| corner.dot(direction));
-        let least = larger(larger(along[0], along[1]), along[2]);
-        let is_farthest = |k: usize| {
-            let below = least - along[k];
-            below <= 0.0 || below * below <= FARTHEST * FARTHEST * longest
-        };
-        // The square of how much an edge rises relative to its length, and its ends.
-        let mut best = (LEVEL * LEVEL, None);
-        for ([j, k], square) in [[0, 2], [0, 1], [1, 2]].into_iter().zip([1, 0, 2]) {
-            let rise = along[j] - along[k];
-            let rise = rise * rise / squares[square];
-            if rise < best.0 && (is_farthest(j) || is_farthest(k)) {
-                best = (rise, Some(Part::Edge([j as u32, k as u32])));
-            }
-        }
-        let vertex = || Part::Vertex((0..3).find(|&k| is_farthest(k)).unwrap_or(0) as u32);
-        Some(best.1.unwrap_or_else(vertex))
     }
 
     /// What a segment shows, given its edge from the first vertex to the second: itself, or the end that is farther. `None`
@@ -220,8 +175,13 @@ impl<'a> Choice<'a> {
     /// What of a triangle that is no needle faces the direction, as its list of faces has it, without the list.
     #[inline(always)]
     fn of_triangle(&self) -> Option<Part<'a>> {
+        Some(self.triangle()?.part(self.direction))
+    }
+
+    #[inline(always)]
+    fn triangle(&self) -> Option<Triangle> {
         let &[p, q, r] = self.polytope.vertices() else { return None };
-        Part::of_triangle([p, q, r], self.direction)
+        Triangle::of([p, q, r])
     }
 
     // Out of line: the heights that it keeps are more than all else that a part takes.

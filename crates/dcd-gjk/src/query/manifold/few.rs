@@ -7,7 +7,7 @@
 use super::corners::{Corners, is_sphere};
 use super::feature::View;
 use super::parts::{ALIKE, NEAR};
-use super::{Feature, Manifold, ManifoldSet, Scratch, write_of_two};
+use super::{Feature, Manifold, ManifoldSet, Scratch, few_on_plane, write_of_two};
 use crate::epa::Depth;
 use crate::query::few_parts::{self, Couple, Framed, Wanted};
 use crate::{PosedShape, mesh};
@@ -60,6 +60,9 @@ fn write_in_order(
     scratch: &mut Scratch,
     set: &mut ManifoldSet,
 ) -> Option<()> {
+    if few_on_plane::write(sides, set.only_mut()?).is_some() {
+        return Some(());
+    }
     let Scratch { depth: memory, corners, of_few: found, .. } = scratch;
     let framed = Framed::of(sides);
     let mut couple = Couple::default();

@@ -18,6 +18,7 @@ mod cuboids;
 mod facing;
 mod feature;
 mod few;
+mod few_on_plane;
 mod hull_pair;
 mod hull_patches;
 mod mesh_on_plane;
@@ -37,6 +38,7 @@ use crate::epa::{self, Depth};
 use crate::mesh::{self, KnownParts, PartIndex};
 use crate::simd::CuboidPatch;
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
+use alone::Known;
 pub use contacts::ManifoldContacts;
 use corners::Corners;
 pub(crate) use cuboids::case_of;
@@ -46,8 +48,7 @@ use dcd_simd::{ArrayVec, Path, dispatch_on};
 pub(crate) use facing::{FACING, LEVEL};
 use feature::View;
 use hull_patches::{PAIRS, Packet, WriteSeveral};
-use on_plane::Resting;
-use one_point::{in_one_point, of_one_point};
+use one_point::in_one_point;
 use parts::Measure;
 use patch_writer::{InOrder, PatchWriter};
 pub use set::ManifoldSet;
@@ -222,8 +223,8 @@ impl MeasureAt for Manifolds {
         scratch: &mut Scratch,
     ) -> Verdict<ManifoldSet> {
         if !mesh::have_parts(a.shape, b.shape) {
-            return alone::of_convex(accuracy, [a, b], scratch, |depth, lowest, corners| {
-                of_depth(depth, [a, b], lowest, corners)
+            return alone::of_convex(accuracy, [a, b], scratch, |depth, known, corners| {
+                alone::of_depth(depth, [a, b], known, corners)
             });
         }
         let how = Measure { accuracy, options: self.options };
@@ -322,41 +323,8 @@ fn manifold_of(
     match verdict {
         Verdict::Apart => Verdict::Apart,
         Verdict::Undecided(reason) => Verdict::Undecided(reason),
-        Verdict::Touching(depth) => of_depth(&depth, [a, b], None, corners),
+        Verdict::Touching(depth) => alone::of_depth(&depth, [a, b], Known::Nothing, corners),
     }
-}
-
-/// The same where that is known, and of a shape on a half-space perhaps its lowest vertex, up to rounding.
-fn of_depth(
-    depth: &Depth,
-    [a, b]: [PosedShape<'_>; 2],
-    lowest: Option<u32>,
-    corners: &mut Corners,
-) -> Verdict<ManifoldSet> {
-    if let Some(only) = in_one_point(depth, [a, b]) {
-        return of_one_point(depth, only);
-    }
-    // Looked at where it is: it is as large as two points.
-    let resting = Resting::of(depth, [a, b], lowest);
-    let Some(resting) = &resting else {
-        return written(|found| write_by_corners(depth, [a, b], corners, found));
-    };
-    match resting.in_one_point(depth) {
-        Some(only) => of_one_point(depth, only),
-        None => written(|found| resting.write(depth, found)),
-    }
-}
-
-/// One manifold, empty and then written.
-#[inline]
-fn written(write: impl FnOnce(&mut Manifold)) -> Verdict<ManifoldSet> {
-    let mut answer = Verdict::Touching(ManifoldSet::empty_one());
-    if let Verdict::Touching(set) = &mut answer
-        && let Some(found) = set.only_mut()
-    {
-        write(found);
-    }
-    answer
 }
 
 /// The manifolds of shapes of parts at the accuracy of f32.

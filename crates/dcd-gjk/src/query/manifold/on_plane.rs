@@ -16,7 +16,7 @@ use dcd_geom::{Shape, SupportMap};
 use dcd_simd::ArrayVec;
 
 /// How many corners are held; of a face with more, the general way.
-const MOST: usize = 8;
+pub(super) const MOST: usize = 8;
 
 /// A corner of what a shape shows.
 #[derive(Clone, Copy, Default)]
@@ -42,33 +42,27 @@ impl Spot for Corner {
     }
 }
 
-/// What a shape shows of itself.
-enum Shown<'a> {
-    Of(Part<'a>, &'a [DVec3]),
-    StandIn(StandIn),
+/// What has the corners of what a shape shows, by their numbers.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    Vertices(&'a [DVec3]),
+    StandIn(&'a StandIn),
 }
 
-impl Shown<'_> {
-    fn part(&self) -> Part<'_> {
-        match self {
-            Self::Of(part, _) => *part,
-            Self::StandIn(stand_in) => stand_in.part,
-        }
-    }
-
+impl Source<'_> {
     /// Whether an edge is all that the shape shows there.
-    fn has_line(&self) -> bool {
+    fn has_line(self) -> bool {
         match self {
-            Self::Of(_, vertices) => vertices.len() == 2,
+            Self::Vertices(vertices) => vertices.len() == 2,
             Self::StandIn(_) => true,
         }
     }
 
     /// A corner in the shape's own frame.
-    #[inline]
-    fn corner(&self, k: u32) -> DVec3 {
+    #[inline(always)]
+    fn corner(self, k: u32) -> DVec3 {
         match self {
-            Self::Of(_, vertices) => vertices[k as usize],
+            Self::Vertices(vertices) => vertices[k as usize],
             Self::StandIn(stand_in) => stand_in.corner(k),
         }
     }
@@ -77,11 +71,7 @@ impl Shown<'_> {
 /// Writes the manifold of that depth over an empty one; false, and nothing written, of other shapes than a half-space and one
 /// on it, and of faces with many corners.
 pub(super) fn write(depth: &Depth, sides: [PosedShape<'_>; 2], found: &mut Manifold) -> bool {
-    let resting = Resting::of(depth, sides, None);
-    if let Some(resting) = &resting {
-        resting.write(depth, found);
-    }
-    resting.is_some()
+    Resting::seen(depth, sides, None, |resting| resting.write(depth, found)).is_some()
 }
 
 /// Adds the corners that a shape has in a half-space, seen along the view's normal, which is that of the depth: what each shows
@@ -92,29 +82,7 @@ pub(super) fn add(
     sides: [PosedShape<'_>; 2],
     corners: &mut Vec<clip::Corner>,
 ) -> Option<([Feature; 2], f64)> {
-    // Looked at where it is.
-    let resting = Resting::of(depth, sides, None);
-    let resting = resting.as_ref()?;
-    let side = resting.sides[resting.number];
-    let radius = side.shape.radius();
-    let inside = radius * (1.0 - resting.level()).max(0.0);
-    let from = side.pose.translation() - sides[0].pose.translation();
-    let add = |index, point, depth| {
-        let (at, height) = view.of(*side.pose.rotation() * point + from);
-        let heights = match resting.number {
-            0 => [height + radius, height + radius - depth],
-            _ => [height - radius + depth, height - radius],
-        };
-        let features = resting.features(Feature::Vertex(index));
-        corners.push(clip::Corner::new(at, heights, features).inside(inside));
-    };
-    let part = resting.shown.part();
-    match &part {
-        Part::Vertex(only) => resting.below(depth, std::slice::from_ref(only), add),
-        Part::Edge(ends) => resting.below(depth, ends, add),
-        Part::Face { corners, .. } => resting.below(depth, corners, add),
-    }
-    Some((resting.features(part.name()), resting.size))
+    Resting::seen(depth, sides, None, |resting| resting.add(view, depth, corners))
 }
 
 /// A polytope, cylinder or cone that looks into a half-space.
@@ -125,19 +93,23 @@ pub(super) struct Resting<'a> {
     /// Where it looks, of unit length; in its own frame too.
     towards: DVec3,
     local: DVec3,
-    shown: Shown<'a>,
+    /// What it shows, where that was made: what is copied right after it has been written is waited for.
+    part: &'a Part<'a>,
+    source: Source<'a>,
     /// How large it is.
     size: f64,
 }
 
-impl<'a> Resting<'a> {
-    /// `None` of other shapes, and of faces with many corners. The lowest vertex may be known, up to rounding.
-    #[inline]
-    pub(super) fn of(
+impl Resting<'_> {
+    /// What `see` makes of it. `None` of other shapes, and of faces with many corners. The lowest vertex may be known, up to
+    /// rounding.
+    #[inline(always)]
+    pub(super) fn seen<T>(
         depth: &Depth,
-        sides: [PosedShape<'a>; 2],
+        sides: [PosedShape<'_>; 2],
         lowest: Option<u32>,
-    ) -> Option<Self> {
+        see: impl FnOnce(&Resting<'_>) -> T,
+    ) -> Option<T> {
         let number = match sides.map(|side| side.shape) {
             [_, Shape::HalfSpace(_)] => 0,
             [Shape::HalfSpace(_), _] => 1,
@@ -146,28 +118,29 @@ impl<'a> Resting<'a> {
         let side = sides[number];
         let towards = if number == 0 { depth.normal } else { -depth.normal };
         let local = side.pose.rotation().transpose() * towards;
-        let (shown, size) = match side.shape {
+        let (shown, stand_in);
+        let (part, source, size) = match side.shape {
             Shape::Polytope(polytope) => {
-                let part = Part::round(polytope, local, lowest);
-                (Shown::Of(part, polytope.vertices()), 2.0 * polytope.outer_radius())
+                shown = Part::round(polytope, local, lowest);
+                (&shown, Source::Vertices(polytope.vertices()), 2.0 * polytope.outer_radius())
             }
             Shape::Curved(curved) => {
-                (Shown::StandIn(StandIn::of(curved, local)), 2.0 * curved.reach())
+                stand_in = StandIn::of(curved, local);
+                (&stand_in.part, Source::StandIn(&stand_in), 2.0 * curved.reach())
             }
             _ => return None,
         };
-        if matches!(shown.part(), Part::Face { corners, .. } if corners.len() > MOST) {
+        if matches!(part, Part::Face { corners, .. } if corners.len() > MOST) {
             return None;
         }
-        Some(Self { sides, number, towards, local, shown, size })
+        Some(see(&Resting { sides, number, towards, local, part, source, size }))
     }
 
     /// The features and the bound where it shows a vertex, which touches in the witnesses of the depth.
     #[inline]
     pub(super) fn in_one_point(&self, depth: &Depth) -> Option<([Feature; 2], f64)> {
-        let part = self.shown.part();
-        let is_vertex = matches!(part, Part::Vertex(_));
-        is_vertex.then(|| (self.features(part.name()), bound_of(depth, self.size, self.sides)))
+        let is_vertex = matches!(self.part, Part::Vertex(_));
+        is_vertex.then(|| (self.features(self.part.name()), bound_of(depth, self.size, self.sides)))
     }
 
     /// Writes the manifold of that depth over an empty one.
@@ -183,7 +156,7 @@ impl<'a> Resting<'a> {
         let kept = reduce::to_four(corners, tolerance)
             .filter(|(kept, _)| corners[kept[0]].depth >= depth.depth - tolerance);
         let Some((kept, count)) = kept else {
-            write_one_point(depth, self.features(self.shown.part().name()), found);
+            write_one_point(depth, self.features(self.part.name()), found);
             found.error_bound = error_bound;
             return;
         };
@@ -194,38 +167,92 @@ impl<'a> Resting<'a> {
         found.error_bound = (error_bound + self.off_surface(depth, corners, kept)).min(f64::MAX);
     }
 
+    /// How large it is, metres.
+    #[inline]
+    pub(super) fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// From a point of its core to that of its surface over it, along the normal.
+    #[inline]
+    pub(super) fn swept(&self) -> DVec3 {
+        self.towards * self.sides[self.number].shape.radius()
+    }
+
+    /// How far inside a swept surface a point of what it shows may be that is swept along the normal: metres.
+    #[inline]
+    pub(super) fn inside(&self) -> f64 {
+        let radius = self.sides[self.number].shape.radius();
+        if radius == 0.0 { 0.0 } else { radius * (1.0 - self.level()).max(0.0) }
+    }
+
+    /// Hands on the corners of what it shows that are not above the plane, as [`Resting::below`] does.
+    #[inline(always)]
+    pub(super) fn each_below(&self, depth: &Depth, found: impl FnMut(u32, DVec3, f64)) {
+        match self.part {
+            Part::Vertex(only) => self.below(depth, std::slice::from_ref(only), found),
+            _ => self.below(depth, self.corners(), found),
+        }
+    }
+
+    /// The corners of a face or an edge; none of a vertex.
+    #[inline(always)]
+    fn corners(&self) -> &[u32] {
+        match self.part {
+            Part::Vertex(_) => &[],
+            Part::Edge(ends) => ends,
+            Part::Face { corners, .. } => corners,
+        }
+    }
+
+    /// Adds the corners that it has in the half-space, seen along the view's normal: see [`add`].
+    fn add(
+        &self,
+        view: &View,
+        depth: &Depth,
+        corners: &mut Vec<clip::Corner>,
+    ) -> ([Feature; 2], f64) {
+        let side = self.sides[self.number];
+        let (radius, inside) = (side.shape.radius(), self.inside());
+        let from = side.pose.translation() - self.sides[0].pose.translation();
+        self.each_below(depth, |index, point, depth| {
+            let (at, height) = view.of(*side.pose.rotation() * point + from);
+            let heights = match self.number {
+                0 => [height + radius, height + radius - depth],
+                _ => [height - radius + depth, height - radius],
+            };
+            let features = self.features(Feature::Vertex(index));
+            corners.push(clip::Corner::new(at, heights, features).inside(inside));
+        });
+        (self.features(self.part.name()), self.size)
+    }
+
     /// Lists the corners of what it shows that are not above the plane.
     #[inline(always)]
     fn list(&self, depth: &Depth, found: &mut ArrayVec<Corner, MOST>) {
         let (x, y) = self.local.any_orthonormal_pair();
-        let add = |index, point, depth| {
+        self.below(depth, self.corners(), |index, point, depth| {
             let at = DVec2::new(x.dot(point), y.dot(point));
             found.push(Corner { index, point, at, depth });
-        };
-        match self.shown.part() {
-            Part::Vertex(_) => {}
-            Part::Edge(ends) => self.below(depth, &ends, add),
-            Part::Face { corners, .. } => self.below(depth, corners, add),
-        }
+        });
     }
 
     /// How far inside a swept surface a point may be that is swept along the normal: metres.
     fn off_surface(&self, depth: &Depth, corners: &[Corner], kept: &[usize]) -> f64 {
-        let radius = self.sides[self.number].shape.radius();
-        if radius == 0.0 {
+        let inside = self.inside();
+        if inside == 0.0 {
             return 0.0;
         }
-        let inside = radius * (1.0 - self.level()).max(0.0);
         let less = |&k: &usize| (depth.depth - corners[k].depth).max(0.0);
         kept.iter().map(less).fold(0.0, f64::max).min(inside)
     }
 
     /// The cosine of the angle by which a face leans, or the edge that is all of the shape there; 0 for others.
     fn level(&self) -> f64 {
-        match self.shown.part() {
+        match *self.part {
             Part::Face { normal, .. } => normal.dot(self.local).abs(),
-            Part::Edge([j, k]) if self.shown.has_line() => {
-                let edge = self.shown.corner(k) - self.shown.corner(j);
+            Part::Edge([j, k]) if self.source.has_line() => {
+                let edge = self.source.corner(k) - self.source.corner(j);
                 edge.reject_from_normalized(self.local).length() / edge.length()
             }
             _ => 0.0,
@@ -233,13 +260,13 @@ impl<'a> Resting<'a> {
     }
 
     /// Hands on those of some corners that are not above the plane: the index, the place in the shape's own frame, the depth.
-    #[inline]
+    #[inline(always)]
     fn below(&self, depth: &Depth, corners: &[u32], mut found: impl FnMut(u32, DVec3, f64)) {
         let side = self.sides[self.number];
         let on_plane = if self.number == 0 { depth.point_b } else { depth.point_a };
         let base = self.towards.dot(side.pose.translation() - on_plane) + side.shape.radius();
         for &index in corners {
-            let point = self.shown.corner(index);
+            let point = self.source.corner(index);
             let depth = self.local.dot(point) + base;
             if depth >= 0.0 {
                 found(index, point, depth);
@@ -251,7 +278,7 @@ impl<'a> Resting<'a> {
     #[inline]
     fn point(&self, corner: &Corner, most: f64) -> ManifoldPoint {
         let side = self.sides[self.number];
-        let swept = side.pose.translation() + self.towards * side.shape.radius();
+        let swept = side.pose.translation() + self.swept();
         let on_shape = *side.pose.rotation() * corner.point + swept;
         let on_plane = on_shape - self.towards * corner.depth;
         let (point_a, point_b) =

@@ -21,7 +21,7 @@ pub(super) fn in_one_point(
     if corners::is_sphere(a) && corners::is_sphere(b) {
         return Some(([Feature::Vertex(0); 2], depth.error_bound));
     }
-    of_sphere(depth, a, b).or_else(|| of_capsule(depth, [a, b]))
+    of_sphere(depth, [a, b], None).or_else(|| of_capsule(depth, [a, b]))
 }
 
 /// The witnesses of the depth alone, with those features and that bound.
@@ -73,9 +73,13 @@ fn shown(side: PosedShape<'_>, towards: DVec3) -> Option<(Feature, DVec3)> {
 }
 
 /// The features and the bound of a sphere and another convex shape, which touch in the witnesses of their depth; `None` of
-/// others.
-#[inline]
-fn of_sphere(depth: &Depth, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<([Feature; 2], f64)> {
+/// others. Where the sphere is from the other may be known in that one's frame.
+#[inline(always)]
+pub(super) fn of_sphere(
+    depth: &Depth,
+    [a, b]: [PosedShape<'_>; 2],
+    outward: Option<DVec3>,
+) -> Option<([Feature; 2], f64)> {
     let is_half_space = |side: PosedShape<'_>| matches!(side.shape, Shape::HalfSpace(_));
     match [corners::is_sphere(a), corners::is_sphere(b)] {
         [false, false] => None,
@@ -86,7 +90,7 @@ fn of_sphere(depth: &Depth, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<([Fe
             Some(([Feature::Surface, Feature::Vertex(0)], depth.error_bound))
         }
         _ => {
-            let OfSphere { features, size } = corners::of_sphere(depth.normal, [a, b])?;
+            let OfSphere { features, size } = corners::of_sphere(depth.normal, [a, b], outward)?;
             Some((features, bound_of_witnesses(depth, size, [a, b])))
         }
     }
@@ -98,8 +102,8 @@ mod tests {
     use super::super::write_in_order;
     use super::*;
     use crate::motion::tests::Draw;
-    use crate::order;
     use crate::query::{Accuracy, depths};
+    use crate::{closed, order};
     use dcd_geom::Pose;
     use dcd_geom::glam::DQuat;
 
@@ -151,5 +155,39 @@ mod tests {
             }
         }
         assert!(counts.as_flattened().iter().all(|&count| count > 100), "{counts:?}");
+    }
+
+    #[test]
+    fn where_a_sphere_is_seen_from_shows_what_its_normal_does() {
+        let mut draw = Draw(42);
+        let mut counts = [0; 3];
+        for k in 0..6000 {
+            let half = draw.vector().abs() * 0.4 + 0.1;
+            let other = match k % 4 {
+                0 => Shape::triangle([0; 3].map(|_| draw.vector() * 0.5)),
+                1 => Shape::hull((0..12).map(|_| draw.vector() * 0.5).collect()),
+                2 => Shape::cuboid(half),
+                _ => Shape::capsule(half.x, half.y),
+            };
+            let shapes = [Shape::sphere(0.3).unwrap(), other.unwrap()];
+            let poses = [0; 2].map(|_| {
+                let turn = DQuat::from_scaled_axis(draw.vector() * 3.0);
+                Pose::new(turn, draw.vector() * 0.4).unwrap()
+            });
+            let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+            let seen = closed::centred::gap_and_outward(Accuracy::F32, a, b);
+            let back = closed::centred::gap_and_outward(Accuracy::F32, b, a);
+            assert_eq!(seen.as_ref().map(|seen| seen.1), back.map(|back| back.1), "{k}");
+            let Some((gap, outward)) = seen else { continue };
+            let Some(depth) = gap.depth() else { continue };
+            let found = of_sphere(&depth, [a, b], Some(outward));
+            assert_eq!(found, of_sphere(&depth, [a, b], None), "{k}");
+            match found {
+                Some(([_, Feature::Face(_)], _)) => counts[0] += 1,
+                Some(([_, Feature::Edge(..)], _)) => counts[1] += 1,
+                _ => counts[2] += 1,
+            }
+        }
+        assert!(counts.iter().all(|&count| count > 200), "{counts:?}");
     }
 }

@@ -16,6 +16,9 @@ pub(super) trait Spot {
 ///
 /// `None` of no corners.
 pub(super) fn to_four<S: Spot>(corners: &[S], near: f64) -> Option<([usize; 4], usize)> {
+    if let [_] = corners {
+        return Some(([0; 4], 1));
+    }
     let first = most(corners, S::depth)?;
     let deepest = corners[first].at();
     let mut kept = [first; 4];

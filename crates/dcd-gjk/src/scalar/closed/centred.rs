@@ -211,6 +211,16 @@ fn beside_wedge(half_height: f64, radius: f64, seen: DVec2) -> Option<(f64, DVec
 /// (a, b) and (b, a) give the same bits, mirrored.
 #[inline]
 pub(super) fn gap_of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Gap> {
+    gap_and_outward(accuracy, a, b).map(|(gap, _)| gap)
+}
+
+/// The same, and where the sphere is from the other shape, in its frame: of unit length.
+#[inline]
+pub(crate) fn gap_and_outward(
+    accuracy: Accuracy,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+) -> Option<(Gap, DVec3)> {
     let most = largest_deviation(accuracy)?;
     let is_sphere =
         |side: PosedShape<'_>| matches!(side.shape, Shape::Polytope(p) if p.kind() == Kind::Point);
@@ -229,9 +239,10 @@ fn gap_between(
     (sphere, at): (&Polytope, &Pose),
     (core, other): (Core<'_>, PosedShape<'_>),
     swapped: bool,
-) -> Option<Gap> {
+) -> Option<(Gap, DVec3)> {
     let seen = Seen::of((sphere, at), other)?;
-    Some(seen.gap(core.beside(seen.place)?, swapped))
+    let beside = core.beside(seen.place)?;
+    Some((seen.gap(beside, swapped), beside.outward))
 }
 
 /// A sphere in the frame of another shape.

@@ -47,7 +47,7 @@ impl Gap {
 
     /// Whether they touch, and how deep.
     #[inline]
-    pub(super) fn verdict(self) -> Verdict<Depth> {
+    pub(crate) fn verdict(self) -> Verdict<Depth> {
         if self.value > self.error {
             return Verdict::Apart;
         }

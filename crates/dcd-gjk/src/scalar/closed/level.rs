@@ -4,6 +4,8 @@
 //! [`half_space`](super::half_space) takes the plane as the pose has it, exactly; here the pose's matrix is a rotation,
 //! and what it is off one by is in the bound (docs/numerics/proofs.md, "Half-spaces in f64").
 
+mod in_frame;
+
 use super::gap::Gap;
 use super::{SIZES, UNIT};
 use crate::query::Accuracy;
@@ -11,6 +13,7 @@ use crate::{DistanceResult, PosedShape};
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Curved, HalfSpace, Kind, Mesh, Polytope, Shape, Support, SupportMap, Vector};
 use dcd_simd::HeightsAlong;
+pub(crate) use in_frame::PlaneInFrame;
 
 /// How far a gap may be off. Unit: u·m. Derived: 36.
 const LOST: f64 = 48.0;
@@ -77,24 +80,7 @@ fn gap_above(
     let delta = other.pose.translation() - plane.pose.translation();
     let DMat3 { x_axis, y_axis, z_axis } = other.pose.rotation();
     let along = DVec3::new(x_axis.dot(outward), y_axis.dot(outward), z_axis.dot(outward));
-    let mut vertex = None;
-    let (lowest, height, reach, swept) = match other.shape {
-        Shape::Polytope(polytope) => {
-            let (lowest, height, of_polytope) = lowest_of(polytope, along);
-            vertex = of_polytope;
-            (lowest, height, polytope.reach(), polytope.swept_radius())
-        }
-        Shape::Curved(curved) => {
-            let (lowest, height) = lowest_of_curved(curved, along);
-            let reach = curved.half_height() + curved.radius();
-            (lowest, height, reach, curved.swept_radius())
-        }
-        Shape::Mesh(mesh) => {
-            let (lowest, height) = lowest_of_mesh(mesh, along)?;
-            (lowest, height, mesh.reach(), mesh.swept_radius())
-        }
-        _ => return None,
-    };
+    let Lowest { point, height, vertex, reach, swept } = Lowest::of(other.shape, along)?;
     let radius = half_space.swept_radius() + swept;
     let value = (height + outward.dot(delta)) - offset - radius;
     let size = reach * (1.0 + other.pose.deviation()) + delta.norm1() + offset.abs() + radius;
@@ -103,9 +89,48 @@ fn gap_above(
         return None;
     }
     let error = (LOST * UNIT + DEVIATION * plane.pose.deviation()) * size;
-    let lowest = other.pose.apply(lowest) - outward * swept;
+    let lowest = other.pose.apply(point) - outward * swept;
     let on_plane = lowest - outward * value;
     Some((Gap::new((value, error), outward, [on_plane, lowest], swapped), vertex))
+}
+
+/// Where a shape is lowest.
+struct Lowest {
+    /// Of the core, in the shape's own frame.
+    point: DVec3,
+    /// How high that is along the direction.
+    height: f64,
+    /// Which vertex of a polytope that is no cuboid.
+    vertex: Option<u32>,
+    /// At least the length of every vector of the core.
+    reach: f64,
+    /// Swept round the core.
+    swept: f64,
+}
+
+impl Lowest {
+    /// Along a direction of the shape's own frame; `None` of other kinds.
+    #[inline(always)]
+    fn of(shape: &Shape, along: DVec3) -> Option<Self> {
+        Some(match shape {
+            Shape::Polytope(polytope) => {
+                let (point, height, vertex) = lowest_of(polytope, along);
+                let (reach, swept) = (polytope.reach(), polytope.swept_radius());
+                Self { point, height, vertex, reach, swept }
+            }
+            Shape::Curved(curved) => {
+                let (point, height) = lowest_of_curved(curved, along);
+                let reach = curved.half_height() + curved.radius();
+                Self { point, height, vertex: None, reach, swept: curved.swept_radius() }
+            }
+            Shape::Mesh(mesh) => {
+                let (point, height) = lowest_of_mesh(mesh, along)?;
+                let (reach, swept) = (mesh.reach(), mesh.swept_radius());
+                Self { point, height, vertex: None, reach, swept }
+            }
+            _ => return None,
+        })
+    }
 }
 
 /// The point of a core that is lowest along a direction, how high it is along it, and which vertex it is, if it was looked

@@ -21,6 +21,7 @@ fn a_triangle_shows_what_its_list_of_faces_has() {
         };
         let choice = Choice { polytope: &polytope, direction: direction.normalize() };
         let (found, due) = (choice.part(), choice.searched());
+        assert_eq!(name(&polytope, choice.direction), due.name(), "{round}");
         match (found, due) {
             (Part::Vertex(found), Part::Vertex(due)) => {
                 assert_eq!(found, due, "{round}");

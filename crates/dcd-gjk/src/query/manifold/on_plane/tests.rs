@@ -68,8 +68,8 @@ fn what_rests_on_a_plane_does_so_where_the_general_way_has_it() {
             continue;
         }
         let (_, lowest) = gap_and_lowest(Accuracy::F32, sides[0], sides[1]).unwrap();
-        let known = Resting::of(&depth, sides, lowest).map(|resting| resting.shown.part().name());
-        let searched = Resting::of(&depth, sides, None).map(|resting| resting.shown.part().name());
+        let known = Resting::seen(&depth, sides, lowest, |resting| resting.part.name());
+        let searched = Resting::seen(&depth, sides, None, |resting| resting.part.name());
         assert_eq!(known, searched, "round {round}");
         of_vertex += usize::from(lowest.is_some());
         write_by_corners(&depth, sides, &mut Corners::default(), &mut due);

@@ -42,6 +42,7 @@ pub(super) fn beside_hull(polytope: &Polytope, point: DVec3) -> Option<Beside> {
 }
 
 /// Beside a triangle.
+#[inline]
 pub(super) fn beside_triangle(corners: &[DVec3], point: DVec3, reach: f64) -> Option<Beside> {
     let &[p, q, r] = corners else { return None };
     let nearest = nearest_of_triangle([p, q, r], point);
@@ -116,6 +117,7 @@ pub(super) fn triangles_of(
 }
 
 /// Beside the hull of vertices of which a point is perhaps the nearest.
+#[inline(always)]
 fn beside_proposed(vertices: &[DVec3], point: DVec3, nearest: DVec3, size: f64) -> Option<Beside> {
     proved(vertices, point, point - nearest).filter(|found| found.unsure <= CLOSE * size)
 }
