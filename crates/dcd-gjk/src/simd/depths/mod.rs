@@ -40,7 +40,7 @@ use dcd_geom::{Aabb, List, Pair, Scene};
 use dcd_simd::{ArrayVec, Kernel, Lanes, Path, dispatch_on};
 use formulas::{BySpheres, Sort, WritePatches};
 use left::Left;
-use nearest_face::WriteFaces;
+use nearest_face::OfFaces;
 use proposed::{Proposal, Propose};
 use search::{DepthSearch, Next};
 use searched::Searched;
@@ -109,6 +109,7 @@ struct TouchingScratch {
     searched: Searched,
     apart: ApartCores,
     proposals: Vec<Option<Proposal>>,
+    of_faces: OfFaces,
     support_scratch: SupportScratch,
 }
 
@@ -129,6 +130,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
             searched,
             apart,
             proposals,
+            of_faces,
             support_scratch,
         } = scratch;
         let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
@@ -161,9 +163,9 @@ impl<S: MeasureDepth> SimdDepths<S> {
             let proves = accuracy == Accuracy::F32;
             let of_pairs = (&*searched.pairs, proves);
             dispatch_on(self.path, Propose::of(frames, of_pairs, support_scratch, proposals));
+            of_faces.take(searched, proposals);
             let reads_facets = S::READS_FACETS;
-            let write = WriteFaces { objects, reads_facets, searched, proposals, answers };
-            write.write_on(self.path);
+            of_faces.answer_on(self.path, (objects, reads_facets), answers);
             starts.begin();
             let looks_ahead = !objects.have_few_shapes();
             let apart_numbers = apart.begin();

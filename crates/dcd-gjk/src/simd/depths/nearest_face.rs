@@ -82,54 +82,76 @@ impl NearestFace {
     }
 }
 
-/// Answers the pairs of which the nearest face is known, and keeps the others in the lists.
-pub(super) struct WriteFaces<'a> {
-    pub(super) objects: ScenePairs<'a>,
-    /// Whether the facets of a pair are read where its answer is written.
-    pub(super) reads_facets: bool,
-    pub(super) searched: &'a mut Searched,
-    /// One for each of the searched pairs.
-    pub(super) proposals: &'a mut Vec<Option<Proposal>>,
-    pub(super) answers: &'a mut dyn WriteDepth,
+/// The pairs of which the nearest face is known.
+#[derive(Debug, Default)]
+pub(super) struct OfFaces {
+    /// Their numbers among those that touch.
+    numbers: Vec<u32>,
+    pairs: Vec<Pair>,
+    faces: Vec<(Triangle, NearestFace)>,
 }
 
-impl WriteFaces<'_> {
-    pub(super) fn write_on(self, path: Path) {
-        dispatch_on(path, self);
-    }
-}
-
-impl Kernel for WriteFaces<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        let Self { objects, reads_facets, searched, proposals, answers } = self;
+impl OfFaces {
+    /// Takes those pairs out of the lists.
+    pub(super) fn take(&mut self, searched: &mut Searched, proposals: &mut Vec<Option<Proposal>>) {
         let Searched { numbers, pairs, .. } = searched;
-        let looks_ahead = reads_facets && !objects.have_few_shapes();
+        self.numbers.clear();
+        self.pairs.clear();
+        self.faces.clear();
         let mut kept = 0;
         for place in 0..pairs.len().min(numbers.len()).min(proposals.len()) {
             let (pair, number, proposal) = (pairs[place], numbers[place], proposals[place]);
-            if looks_ahead {
-                ScenePairs { pairs, ..objects }.look_ahead(place, true);
-            }
-            let found = proposal.and_then(|Proposal { triangle, nearest }| {
-                let face = nearest?;
-                let farthest = reads_facets.then(|| objects.vertices(pair, face.farthest));
-                let depth = face.depth(triangle, objects.frames, pair)?;
-                Some(FoundDepth { depth, farthest: farthest.flatten() })
-            });
-            match found {
-                Some(found) => answers.write(number as usize, Some(&found)),
-                None => {
-                    (pairs[kept], numbers[kept], proposals[kept]) = (pair, number, proposal);
-                    kept += 1;
-                }
+            if let Some(Proposal { triangle, nearest: Some(nearest) }) = proposal {
+                self.numbers.push(number);
+                self.pairs.push(pair);
+                self.faces.push((triangle, nearest));
+            } else {
+                (pairs[kept], numbers[kept], proposals[kept]) = (pair, number, proposal);
+                kept += 1;
             }
         }
         pairs.truncate(kept);
         numbers.truncate(kept);
         proposals.truncate(kept);
+    }
+
+    /// Answers them. `facets` says whether the faces are read where an answer is written.
+    pub(super) fn answer_on(
+        &self,
+        path: Path,
+        (objects, facets): (ScenePairs<'_>, bool),
+        answers: &mut dyn WriteDepth,
+    ) {
+        let objects = ScenePairs { pairs: &self.pairs, ..objects };
+        dispatch_on(path, AnswerFaces { of: self, objects, facets, answers });
+    }
+}
+
+/// See [`OfFaces::answer_on`].
+struct AnswerFaces<'a> {
+    of: &'a OfFaces,
+    objects: ScenePairs<'a>,
+    facets: bool,
+    answers: &'a mut dyn WriteDepth,
+}
+
+impl Kernel for AnswerFaces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        let Self { of: OfFaces { numbers, pairs, faces }, objects, facets, answers } = self;
+        let looks_ahead = facets && !objects.have_few_shapes();
+        let all = numbers.iter().zip(pairs).zip(faces).enumerate();
+        for (place, ((&number, &pair), &(triangle, face))) in all {
+            if looks_ahead {
+                objects.look_ahead(place, true);
+            }
+            let farthest = if facets { objects.vertices(pair, face.farthest) } else { None };
+            let depth = face.depth(triangle, objects.frames, pair);
+            let found = depth.map(|depth| FoundDepth { depth, farthest });
+            answers.write(number as usize, found.as_ref());
+        }
     }
 }
 

@@ -22,8 +22,8 @@ type Points = [Row; 3];
 
 const NONE: Row = [[0.0; HALF]; 2];
 
-/// What rounding may do to the way between two bodies, in units of what it may do to their distance: it turns the direction
-/// along which their speed counts (docs/numerics/proofs.md, "edges"). No unit. Smaller: speeds below the truth.
+/// Four times what the way between two bodies may be off by, in units of their slack and of what their poses deviate by: it turns
+/// the direction along which their speed counts (docs/numerics/proofs.md, "Slices"). No unit. Smaller: speeds below the truth.
 const TURNED: f64 = 8.0;
 
 /// What is known of the path's beginning, cut into sixteen slices of one length.
@@ -48,7 +48,7 @@ impl Slices {
         (below(last) & !below(first)) as u16
     }
 
-    /// Whether a pair, or a group by its number behind theirs, is proved apart in all of those slices.
+    /// Whether a pair, or a group by its number behind theirs, is proved apart in all of those slices, which are one at least.
     pub(super) fn prove(&self, open: u32, slices: u16) -> bool {
         self.open.get(open as usize).is_some_and(|open| open & slices == 0)
     }

@@ -146,7 +146,7 @@ impl WriteDepth for Kept {
 /// The depths that searches find which start with those triangles.
 fn searched(
     scene: &Scene,
-    (pairs, proposals): (&[Pair], &[Option<Triangle>]),
+    (pairs, proposals): (&[Pair], &[Option<Proposal>]),
     accuracy: Accuracy,
 ) -> Vec<Option<Depth>> {
     let (mut frame, mut aabbs) = (SimdFrame::default(), vec![Aabb::default(); scene.len()]);
@@ -179,12 +179,12 @@ fn searched(
 #[test]
 fn a_search_that_starts_with_any_triangle_ends_with_a_depth_within_its_bound() {
     let mut draw = Draw(7);
-    let scene = scene(&mut draw, 2000);
+    let scene = scene(&mut draw, 2000, 100.0);
     let pairs: Vec<_> = (0..2000).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
     let mut triangle = |pair: &Pair| {
         let counts = [pair.i, pair.j].map(|object| vertices(&scene, object).len());
         let mut corner = || counts.map(|count| (draw.number().abs() * 1e6) as u32 % count as u32);
-        Some(std::array::from_fn(|_| corner()))
+        Some(Proposal { triangle: std::array::from_fn(|_| corner()), nearest: None })
     };
     let any: Vec<_> = pairs.iter().map(&mut triangle).collect();
     let none = vec![None; pairs.len()];
