@@ -22,8 +22,8 @@ const BLOCKS: usize = 16;
 /// edges cross.
 const MOST: usize = 8;
 
-/// A bound of f32 above this, relative to the pair's size, is too wide: the pair is measured in f64. No unit. Larger:
-/// worse bounds. Smaller: more pairs take microseconds.
+/// A bound of f32 above this, relative to the pair's size, is too wide, and so is the way between points that is as far from the
+/// normal: the pair is measured in f64. No unit. Larger: worse bounds and points. Smaller: more pairs take microseconds.
 pub(super) const WORST: f64 = 8e-6;
 
 /// What the f64 arithmetic of a depth may be off by. Unit: 2⁻⁵³ of the pair's size. Weights 8, the rotations 12 for each
@@ -218,10 +218,13 @@ impl<'a> SearchedPair<'a> {
         }
         let [turned_a, turned_b] = self.leaving(ended.surface.corners(best.1), normal)?;
         let [t_a, t_b] = [self.poses[0].translation(), self.poses[1].translation()];
-        let depth = normal.dot((turned_a - turned_b) + (t_a - t_b)).max(0.0);
+        let way = (turned_a - turned_b) + (t_a - t_b);
+        let depth = normal.dot(way).max(0.0);
         let (lower, upper) = (lower / self.scale, upper / self.scale);
         let error_bound = rounded_up((upper - depth).max(depth - lower) + ROUNDED * self.size);
-        let is_good = error_bound <= WORST * self.size && normal.is_finite();
+        // Where the normal leaves by none of these faces, the points are beside it.
+        let is_along = (way - normal * depth).length() <= WORST * self.size;
+        let is_good = is_along && error_bound <= WORST * self.size && normal.is_finite();
         is_good.then(|| Depth {
             depth,
             normal,

@@ -43,6 +43,11 @@ const LEAST: f32 = 1e-15;
 /// it at the accuracy of f32: wider, worse bounds; smaller, more pairs that are searched.
 const NEARER: f32 = 24.0;
 
+/// How far the point of the triangle that the weights make may be from the foot of the origin on its plane. Unit: u·m, of the 1-norm.
+/// Another part of the same face, beyond an edge, may hold the foot: the points that are reported would be off as far. Larger:
+/// points beside the objects. Smaller: more pairs that are searched.
+const ASIDE: f32 = 16.0;
+
 /// The nearest face of A − B, of two objects in the order in which it is [proposed](super::proposed). Lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct NearestFace {
@@ -222,6 +227,8 @@ impl<L: Lanes> Enclosed<L> {
         let normal = q.sub(l, p).cross(l, r.sub(l, p));
         let normal = scaled(l, normal, l.div(one, l.sqrt(normal.dot(l, normal))));
         let weights = weights(l, [p, q, r], normal);
+        let aside = aside(l, ([p, q, r], weights), scaled(l, normal, distance));
+        let holds = l.and(holds, l.le(aside, l.splat(ASIDE * U)));
         let (distance, lower) = (l.mul(distance, *size), l.mul(lower, *size));
         NearestFaces { holds, normal, distance, lower, weights }
     }
@@ -281,4 +288,15 @@ fn weights<L: Lanes>(l: L, [p, q, r]: [V3<L>; 3], along: V3<L>) -> [L::F; 2] {
     let of_r = l.max(p.cross(l, q).dot(l, along), zero);
     let sum = l.add(of_p, l.add(of_q, of_r));
     [l.div(of_q, sum), l.div(of_r, sum)]
+}
+
+/// How far the point of a triangle with these weights is from another one: the 1-norm. No number where the weights are none.
+#[inline(always)]
+fn aside<L: Lanes>(
+    l: L,
+    ([p, q, r], [second, third]): ([V3<L>; 3], [L::F; 2]),
+    foot: V3<L>,
+) -> L::F {
+    let point = p.plus(l, second, q.sub(l, p)).plus(l, third, r.sub(l, p));
+    point.sub(l, foot).norm1(l)
 }

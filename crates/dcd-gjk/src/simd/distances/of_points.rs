@@ -38,9 +38,9 @@ impl NearestPoints {
         let sizes = f64::from(a.size) + f64::from(b.size);
         let slack = f64::from(a.slack) + f64::from(b.slack);
         let radii = [a, b].map(|record| f64::from(record.radius));
-        // Of three coordinates; a radius is rounded up by 2u of itself at most.
+        // Of three coordinates; a radius is rounded up by 6u of itself at most.
         let swept = radii[0] + radii[1];
-        let off = 1.75 * (f64::from(ROTATED * U) * sizes + slack) + f64::from(4.0 * U) * swept;
+        let off = 1.75 * (f64::from(ROTATED * U) * sizes + slack) + f64::from(8.0 * U) * swept;
         let distance = length - swept;
         let size = sizes + between.abs().element_sum();
         let error_bound = rounded_up((length - f64::from(self.lower)).max(off) + ROUNDED * size);

@@ -3,6 +3,8 @@
 use super::super::proposed::tests::{proposed, scene, vertices};
 use super::*;
 use crate::motion::tests::Draw;
+use dcd_geom::glam::DQuat;
+use dcd_geom::{Object, Pose, Scene, Shape};
 use dcd_simd::{Block, Row, Unfused, WIDTH};
 
 /// How far a body reaches along a direction.
@@ -68,6 +70,50 @@ fn the_depth_is_between_the_bounds_of_a_nearest_face() {
     }
     println!("{proved} proved, {others} not");
     assert!(proved > 300 && others > 300, "{proved}, {others}");
+}
+
+/// Pairs 2k, 2k + 1 of plates that lie on each other, every other pair turned.
+fn plates(draw: &mut Draw, count: u32) -> Scene {
+    let thick: [f64; 4] = [0.005, 0.01, 0.02, 0.05];
+    let plate = |z: f64| {
+        let corner = |k: u32| DVec3::from([0, 1, 2].map(|axis| f64::from(k >> axis & 1) - 0.5));
+        Shape::hull((0..8).map(|k| corner(k) * DVec3::new(1.0, 0.8, 2.0 * z)).collect()).unwrap()
+    };
+    let mut objects = Vec::new();
+    for k in 0..count {
+        let (one, other) = (k % 4, k / 4 % 4);
+        let turn = DQuat::from_rotation_z(if k % 2 == 0 { 0.0 } else { draw.number() });
+        let least = thick[one as usize].min(thick[other as usize]);
+        let deep = least * draw.number().abs();
+        let height = thick[one as usize] + thick[other as usize] - deep;
+        let beside = draw.vector() * DVec3::new(0.8, 0.6, 0.0);
+        let at = [DVec3::ZERO, beside + DVec3::Z * height];
+        objects.push(Object::new(one, Pose::from_translation(at[0]).unwrap()));
+        objects.push(Object::new(other, Pose::new(turn, at[1]).unwrap()));
+    }
+    Scene::new(thick.map(plate).to_vec(), objects).unwrap()
+}
+
+#[test]
+fn the_points_of_a_nearest_face_are_as_far_apart_as_it_is_deep() {
+    let scene = plates(&mut Draw(11), 4000);
+    let pairs: Vec<_> = (0..4000).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
+    let mut proved = 0;
+    for (pair, proposal) in pairs.iter().zip(proposed(&scene, Path::best(), &pairs)) {
+        let Some(Proposal { triangle, nearest: Some(face) }) = proposal else { continue };
+        proved += 1;
+        let (a, b) = (vertices(&scene, pair.i), vertices(&scene, pair.j));
+        let corner = |[i, j]: [u32; 2]| a[i.min(7) as usize] - b[j.min(7) as usize];
+        let ([p, q, r], [second, third]) = (triangle.map(corner), face.weights.map(f64::from));
+        let between = p + (q - p) * second + (r - p) * third;
+        // Of A − B, or of B − A.
+        let normal = face.normal.as_dvec3() * between.dot(face.normal.as_dvec3()).signum();
+        let off = between.distance(normal * f64::from(face.depth));
+        // The sizes and the way between the centres are below 2.8.
+        assert!(off < 4e-6, "{pair:?}: {off}, {face:?}");
+    }
+    println!("{proved} proved");
+    assert!(proved > 300, "{proved}");
 }
 
 /// Sixteen triangles and spheres: the bounds from below where they hold, else NaN.
