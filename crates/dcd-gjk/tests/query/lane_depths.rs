@@ -404,3 +404,15 @@ fn manifolds_after_the_lanes_are_as_deep_as_the_pair() {
         assert!(manifold.points().iter().all(|point| point.depth <= deepest));
     }
 }
+
+#[test]
+fn the_points_are_as_far_apart_as_the_pair_is_deep() {
+    let (scene, pairs) = pairs_of(&mut Draw(29), 1.0, 1.0, PAIRS);
+    let (depths, _) = found(&SimdDepths::new(Depths, Accuracy::F32), &scene, &pairs);
+    for Contact { pair, answer } in &depths {
+        let off = (answer.point_a - answer.point_b).distance(answer.normal * answer.depth);
+        // The sizes and the way between the centres are below 20.
+        assert!(off < 2e-4, "{pair:?}: {off}, {answer:?}");
+    }
+    assert!(depths.len() > 10_000, "{}", depths.len());
+}

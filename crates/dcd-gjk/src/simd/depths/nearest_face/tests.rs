@@ -3,8 +3,6 @@
 use super::super::proposed::tests::{proposed, scene, vertices};
 use super::*;
 use crate::motion::tests::Draw;
-use dcd_geom::glam::DQuat;
-use dcd_geom::{Object, Pose, Scene, Shape};
 use dcd_simd::{Block, Row, Unfused, WIDTH};
 
 /// How far a body reaches along a direction.
@@ -72,70 +70,37 @@ fn the_depth_is_between_the_bounds_of_a_nearest_face() {
     assert!(proved > 300 && others > 300, "{proved}, {others}");
 }
 
-/// Pairs 2k, 2k + 1 of plates that lie on each other, every other pair turned.
-fn plates(draw: &mut Draw, count: u32) -> Scene {
-    let thick: [f64; 4] = [0.005, 0.01, 0.02, 0.05];
-    let plate = |z: f64| {
-        let corner = |k: u32| DVec3::from([0, 1, 2].map(|axis| f64::from(k >> axis & 1) - 0.5));
-        Shape::hull((0..8).map(|k| corner(k) * DVec3::new(1.0, 0.8, 2.0 * z)).collect()).unwrap()
-    };
-    let mut objects = Vec::new();
-    for k in 0..count {
-        let (one, other) = (k % 4, k / 4 % 4);
-        let turn = DQuat::from_rotation_z(if k % 2 == 0 { 0.0 } else { draw.number() });
-        let least = thick[one as usize].min(thick[other as usize]);
-        let deep = least * draw.number().abs();
-        let height = thick[one as usize] + thick[other as usize] - deep;
-        let beside = draw.vector() * DVec3::new(0.8, 0.6, 0.0);
-        let at = [DVec3::ZERO, beside + DVec3::Z * height];
-        objects.push(Object::new(one, Pose::from_translation(at[0]).unwrap()));
-        objects.push(Object::new(other, Pose::new(turn, at[1]).unwrap()));
-    }
-    Scene::new(thick.map(plate).to_vec(), objects).unwrap()
-}
-
-#[test]
-fn the_points_of_a_nearest_face_are_as_far_apart_as_it_is_deep() {
-    let scene = plates(&mut Draw(11), 4000);
-    let pairs: Vec<_> = (0..4000).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
-    let mut proved = 0;
-    for (pair, proposal) in pairs.iter().zip(proposed(&scene, Path::best(), &pairs)) {
-        let Some(Proposal { triangle, nearest: Some(face) }) = proposal else { continue };
-        proved += 1;
-        let (a, b) = (vertices(&scene, pair.i), vertices(&scene, pair.j));
-        let corner = |[i, j]: [u32; 2]| a[i.min(7) as usize] - b[j.min(7) as usize];
-        let ([p, q, r], [second, third]) = (triangle.map(corner), face.weights.map(f64::from));
-        let between = p + (q - p) * second + (r - p) * third;
-        // Of A − B, or of B − A.
-        let normal = face.normal.as_dvec3() * between.dot(face.normal.as_dvec3()).signum();
-        let off = between.distance(normal * f64::from(face.depth));
-        // The sizes and the way between the centres are below 2.8.
-        assert!(off < 4e-6, "{pair:?}: {off}, {face:?}");
-    }
-    println!("{proved} proved");
-    assert!(proved > 300, "{proved}");
-}
-
-/// Sixteen triangles and spheres: the bounds from below where they hold, else NaN.
-struct Lower<'a> {
+/// Sixteen triangles and spheres.
+struct Triangles<'a> {
     corners: &'a [Block; 3],
     centres: &'a Block,
     radii: &'a Row,
 }
 
-impl Kernel for Lower<'_> {
-    type Output = Row;
+/// The bounds from below where the triangles are the nearest, else NaN; how far from the triangle's points are the feet of the origin.
+struct Proved {
+    lower: Row,
+    aside: Row,
+}
+
+impl Kernel for Triangles<'_> {
+    type Output = Proved;
 
     #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> Row {
+    fn run<L: Lanes>(self, l: L) -> Proved {
         let [p, q, r] = self.corners;
         let corners = [V3::load(l, &p.0), V3::load(l, &q.0), V3::load(l, &r.0)];
         let (c, inner) = (V3::load(l, &self.centres.0), l.load(self.radii));
         let (size, slack) = (l.add(l.splat(1.0), c.norm1(l)), l.splat(0.0));
         let found = Enclosed { corners, c, inner, size, slack }.nearest_face(l);
-        let mut lower = Row::default();
+        let [p, q, r] = corners;
+        let [second, third] = found.weights;
+        let point = p.plus(l, second, q.sub(l, p)).plus(l, third, r.sub(l, p));
+        let between = point.sub(l, scaled(l, found.normal, found.distance));
+        let [mut lower, mut aside] = [Row::default(); 2];
         l.store(l.select(found.holds, found.lower, l.splat(f32::NAN)), &mut lower);
-        lower
+        l.store(l.sqrt(between.dot(l, between)), &mut aside);
+        Proved { lower, aside }
     }
 }
 
@@ -156,34 +121,41 @@ fn least_reach(corners: [DVec3; 3], (c, radius): (DVec3, f64), draw: &mut Draw) 
     least.0
 }
 
+/// Sixteen of them above and below the origin, all of whose heights are that much less.
+fn draw_triangles(draw: &mut Draw, flat: f64) -> ([Block; 3], Block, Row) {
+    let mut blocks = [Block::default(); 4];
+    let mut radii = Row::default();
+    for lane in 0..WIDTH {
+        let depth = 0.2 * draw.number().abs();
+        let mut set = |block: usize, v: DVec3| {
+            let numbers = (v * DVec3::new(1.0, 1.0, flat)).as_vec3().to_array();
+            blocks[block].0.iter_mut().zip(numbers).for_each(|(row, x)| row.0[lane] = x);
+        };
+        for corner in 0..3 {
+            let (sine, cosine) = (f64::from(corner as u32) * 2.1).sin_cos();
+            let far = 0.4 * draw.number().abs();
+            let at = DVec3::new(cosine * far, sine * far, depth) + draw.vector() * 0.05;
+            set(corner, at);
+        }
+        set(3, draw.vector() * 0.1 - DVec3::Z * 0.3);
+        radii.0[lane] = (0.3 * flat * draw.number().abs()) as f32;
+    }
+    let [p, q, r, centres] = blocks;
+    ([p, q, r], centres, radii)
+}
+
 #[test]
 fn no_bound_from_below_is_above_the_least_reach_of_triangle_and_sphere() {
     let mut draw = Draw(9);
     let (mut held, mut close) = (0, 0);
     for _ in 0..60 {
-        let mut blocks = [Block::default(); 4];
-        let mut radii = Row::default();
-        for lane in 0..WIDTH {
-            let depth = 0.2 * draw.number().abs();
-            let mut set = |block: usize, v: DVec3| {
-                let numbers = v.as_vec3().to_array();
-                blocks[block].0.iter_mut().zip(numbers).for_each(|(row, x)| row.0[lane] = x);
-            };
-            for corner in 0..3 {
-                let (sine, cosine) = (f64::from(corner as u32) * 2.1).sin_cos();
-                let far = 0.4 * draw.number().abs();
-                let at = DVec3::new(cosine * far, sine * far, depth) + draw.vector() * 0.05;
-                set(corner, at);
-            }
-            set(3, draw.vector() * 0.1 - DVec3::Z * 0.3);
-            radii.0[lane] = (0.3 * draw.number().abs()) as f32;
-        }
-        let [p, q, r, centres] = &blocks;
-        let kernel = Lower { corners: &[*p, *q, *r], centres, radii: &radii };
-        let lower = dispatch_on(Path::best(), Unfused(kernel));
+        let (corners, centres, radii) = draw_triangles(&mut draw, 1.0);
+        let kernel = Triangles { corners: &corners, centres: &centres, radii: &radii };
+        let Proved { lower, .. } = dispatch_on(Path::best(), Unfused(kernel));
         for lane in (0..WIDTH).filter(|&lane| !lower.0[lane].is_nan()) {
-            let [p, q, r, c] = blocks.map(|block| block.point(lane).as_dvec3());
-            let least = least_reach([p, q, r], (c, radii.0[lane].into()), &mut draw);
+            let [p, q, r] = corners.map(|block| block.point(lane).as_dvec3());
+            let sphere = (centres.point(lane).as_dvec3(), radii.0[lane].into());
+            let least = least_reach([p, q, r], sphere, &mut draw);
             assert!(f64::from(lower.0[lane]) <= least, "{lane}: {} {least}", lower.0[lane]);
             held += 1;
             close += usize::from(f64::from(lower.0[lane]) > least - 1e-4);
@@ -191,4 +163,21 @@ fn no_bound_from_below_is_above_the_least_reach_of_triangle_and_sphere() {
     }
     println!("{held} held, {close} close");
     assert!(held > 200 && close > 100, "{held}, {close}");
+}
+
+#[test]
+fn the_foot_of_the_origin_is_in_what_counts_as_the_nearest_though_all_is_nearly_flat() {
+    let mut draw = Draw(13);
+    let mut held = 0;
+    for _ in 0..4000 {
+        let (corners, centres, radii) = draw_triangles(&mut draw, 4e-5);
+        let kernel = Triangles { corners: &corners, centres: &centres, radii: &radii };
+        let Proved { lower, aside } = dispatch_on(Path::best(), Unfused(kernel));
+        for lane in (0..WIDTH).filter(|&lane| !lower.0[lane].is_nan()) {
+            assert!(aside.0[lane] < 2e-6, "{lane}: {}", aside.0[lane]);
+            held += 1;
+        }
+    }
+    println!("{held} held");
+    assert!(held > 200, "{held}");
 }
