@@ -27,8 +27,8 @@ use dcd_geom::Pair;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
 
-/// How much nearer than computed a triangle may be, of points that are scaled to a size of 1 by a product. Unit: u. [`OFF`] without it,
-/// and √3 for the product. Smaller: a bound that is none.
+/// How much nearer than computed a triangle may be, of points that are scaled to a size of 1 by a product: [`OFF`], and √3 for that
+/// product. Unit: u. Smaller: a bound that is none.
 const OFF_SCALED: f32 = OFF as f32 + 2.0;
 
 /// The part of the inner radius that is taken: what its product with a unit vector gains, 7u, and a margin. Unit: 1. Larger: points
@@ -256,8 +256,8 @@ fn scaled<L: Lanes>(l: L, v: V3<L>, k: L::F) -> V3<L> {
     V3(l.mul(v.0, k), l.mul(v.1, k), l.mul(v.2, k))
 }
 
-/// The point of a sphere that is farthest from the plane of its centre and an edge, on the right of the edge seen from outside: a point that is
-/// no number where the three are on a line.
+/// The point of a sphere that is farthest from the plane of its centre and an edge, on the left of the edge as it is seen from the
+/// far side: a point that is no number where the three are on a line.
 #[inline(always)]
 fn beyond<L: Lanes>(l: L, (c, radius): (V3<L>, L::F), [p, q]: [V3<L>; 2]) -> V3<L> {
     let normal = p.sub(l, c).cross(l, q.sub(l, c));

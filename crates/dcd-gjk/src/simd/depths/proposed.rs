@@ -38,8 +38,8 @@ const ROUNDS: [usize; 2] = [4, 6];
 /// plates and needles it succeeds with one pair in eight. No unit. Decides what is tried, never an answer.
 const FAT: f32 = 0.125;
 
-/// A pair is deep where the origin is farther before a portal than this part of the way from the centre to it: of one in fifty
-/// of these is the portal the nearest face. No unit. Decides where a portal ends, never an answer.
+/// A pair is deep where the origin is farther before the portal's plane than this part of the way there from the centre: in one of
+/// fifty such pairs the portal is the nearest face. No unit. Decides where a portal ends, never an answer.
 const DEEP: f32 = 0.2;
 
 /// How much farther a support must be for it to be another. Unit: u times the sum of the outer radii. Decides where a portal ends,
