@@ -13,6 +13,7 @@ mod newton;
 mod refine;
 #[cfg(test)]
 mod tests;
+mod warm_start;
 
 use crate::certificate::Bounds;
 use crate::closed::{self, half_space};

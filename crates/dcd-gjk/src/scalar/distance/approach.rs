@@ -1,5 +1,6 @@
 //! GJK in f64 to the nearest point, with bounds on the distance from both sides.
 
+use super::warm_start::warm_start;
 use super::{Distance, UNIT, rounded_up, unit as of_unit_length};
 use crate::certificate::{Bounds, combined_length};
 use crate::gjk::{MAX_SUPPORTS, Simplex, start, unit};
@@ -31,7 +32,7 @@ pub(crate) fn approach<S: InBlocks>(
     bounds: &Bounds<f64>,
     gap: f64,
 ) -> Result<Approach, Verdict<()>> {
-    approach_from(difference, bounds, [gap, f64::MAX], Simplex::default())
+    approach_from(difference, bounds, [gap, f64::MAX], warm_start(difference))
 }
 
 /// The same from the nearest point of a simplex, if it has a vertex, and to where the cores are known to be at least

@@ -1,0 +1,94 @@
+//! The search in f32 ends, mostly, with the vertices that the one in f64 ends with.
+
+use super::*;
+use crate::PosedSupport;
+use crate::certificate::Bounds;
+use crate::distance::approach::approach_from;
+use crate::motion::tests::Draw;
+use dcd_geom::Pose;
+use dcd_geom::glam::DQuat;
+use dcd_simd::{Path, dispatch_on};
+
+/// Hulls of few vertices and of many, cuboids, triangles, segments, points, every third one far from its own origin.
+fn polytope(draw: &mut Draw, k: usize) -> Polytope {
+    let from = [DVec3::ZERO, DVec3::ZERO, DVec3::splat(1e4)][k % 3];
+    match k % 7 {
+        0 => Polytope::cuboid(draw.vector().abs() * 0.3 + 0.1).unwrap(),
+        count @ 1..4 => Polytope::hull((0..count).map(|_| from + draw.vector()).collect()).unwrap(),
+        _ => Polytope::hull((0..4 + k % 60).map(|_| from + draw.vector()).collect()).unwrap(),
+    }
+}
+
+/// Two poses, from touching to far.
+fn poses(draw: &mut Draw, polytopes: [&Polytope; 2]) -> [Pose; 2] {
+    let away = draw.vector() * [0.5, 2.0, 4.0][(draw.vector().x.abs() * 3.0) as usize % 3];
+    [0, 1].map(|k| {
+        let turn = DQuat::from_scaled_axis(draw.vector() * 3.0);
+        let centre = turn * polytopes[k].inner().centre;
+        Pose::new(turn, away * k as f64 - centre).unwrap()
+    })
+}
+
+/// The features of a simplex, in the order of their numbers.
+fn features(simplex: &Simplex<f64>) -> Vec<[u32; 2]> {
+    let mut found: Vec<_> = simplex.vertices().iter().map(|v| [v.a.feature, v.b.feature]).collect();
+    found.sort_unstable();
+    found
+}
+
+#[test]
+fn a_warm_start_is_mostly_where_the_search_in_f64_ends() {
+    let mut draw = Draw(61);
+    let [mut apart, mut same] = [0; 2];
+    for k in 0..4000 {
+        let (a, b) = (polytope(&mut draw, k), polytope(&mut draw, k / 7));
+        let [at_a, at_b] = poses(&mut draw, [&a, &b]);
+        let posed = (PosedSupport::polytope(&a, &at_a), PosedSupport::polytope(&b, &at_b));
+        let difference = Difference::<f64, _, _>::new(posed.0, posed.1).unwrap();
+        let bounds = Bounds::of(&difference);
+        let cold = approach_from(&difference, &bounds, [0.0, f64::MAX], Simplex::default());
+        let start = warm_start(&difference);
+        let warm = approach_from(&difference, &bounds, [0.0, f64::MAX], start);
+        let Ok(cold) = cold else {
+            assert!(warm.is_err(), "{k}");
+            continue;
+        };
+        let warm = warm.unwrap();
+        assert!(warm.lower <= cold.upper && cold.lower <= warm.upper, "{k}");
+        assert!((warm.length - cold.length).abs() <= 1e-12, "{k}");
+        apart += 1;
+        same += usize::from(features(&start) == features(&warm.simplex));
+    }
+    assert!(apart > 2000 && same * 100 > apart * 95, "{same} of {apart}");
+}
+
+#[test]
+fn every_path_ends_with_the_same_vertices() {
+    let mut draw = Draw(62);
+    for k in 0..1500 {
+        let (a, b) = (polytope(&mut draw, k), polytope(&mut draw, k / 5));
+        let [at_a, at_b] = poses(&mut draw, [&a, &b]);
+        let posed = (PosedSupport::polytope(&a, &at_a), PosedSupport::polytope(&b, &at_b));
+        let difference = Difference::<f64, _, _>::new(posed.0, posed.1).unwrap();
+        let search = || Search { a: &a, b: &b, frame: Frame::of(&difference) };
+        let due = dispatch_on(Path::Portable, search());
+        for path in Path::ALL {
+            let found = dispatch_on(path, search());
+            assert_eq!(found.list(), due.list(), "{k} {path:?}");
+        }
+    }
+}
+
+#[test]
+fn sizes_beyond_f32_have_no_warm_start() {
+    let mut draw = Draw(63);
+    for scale in [1e-12, 1e12] {
+        let mut hull = || Polytope::hull((0..12).map(|_| draw.vector() * scale).collect()).unwrap();
+        let (a, b) = (hull(), hull());
+        let away = Pose::from_translation(DVec3::X * 4.0 * scale).unwrap();
+        let posed =
+            (PosedSupport::polytope(&a, &Pose::IDENTITY), PosedSupport::polytope(&b, &away));
+        let difference = Difference::<f64, _, _>::new(posed.0, posed.1).unwrap();
+        assert!(warm_start(&difference).vertices().is_empty());
+    }
+}
