@@ -1,6 +1,7 @@
 //! What a polytope shows along a normal: a face, an edge or a vertex, seen from there.
 
 use super::facing::Part;
+use super::leaning_edge::level_of_edge;
 use super::{CROSSING, Feature};
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
@@ -24,8 +25,8 @@ pub(super) struct Placed<'a> {
 pub(super) struct Seen<'a> {
     part: Part<'a>,
     points: Points,
-    /// Whether it is of a shape that has no more than a line to show.
-    of_line: bool,
+    /// The cosine of the angle by which a face or an edge leans; 0 for others.
+    level: f64,
     /// How square to the normal its face is, 0 where it is no face.
     facing: f64,
     /// By how much its plane rises along x and y; 0 where it is no face.
@@ -96,7 +97,13 @@ impl View {
     ) -> Seen<'a> {
         let vertices = polytope.vertices();
         let seen = self.shown(part, placed, |index| vertices[index as usize]);
-        Seen { of_line: vertices.len() == 2, ..seen }
+        match part {
+            Part::Edge(ends) => {
+                let level = level_of_edge(polytope, ends, self.towards(placed));
+                Seen { level, ..seen }
+            }
+            _ => seen,
+        }
     }
 
     /// Turns from a shape's own frame to the view's, a vector then costs one matrix.
@@ -134,7 +141,7 @@ impl View {
                 }
             }
         };
-        Seen { part, points, of_line: false, facing, slope }
+        Seen { part, points, level: facing, facing, slope }
     }
 }
 
@@ -164,9 +171,12 @@ impl Seen<'_> {
         self.part.name()
     }
 
-    /// The same, of a shape that has no more than this line.
+    /// The same, of a line of a cylinder's or cone's side: the whole shape is on one side of a plane through it.
     pub(super) fn of_line(self) -> Self {
-        Self { of_line: true, ..self }
+        let [p, q] = self.points() else { return self };
+        let across = p.at.distance(q.at);
+        let level = across / across.hypot(p.height - q.height).max(f64::MIN_POSITIVE);
+        Self { level, ..self }
     }
 
     /// Its corners, counter-clockwise as the normal looks back on them.
@@ -180,16 +190,9 @@ impl Seen<'_> {
         self.facing
     }
 
-    /// The cosine of the angle by which a face leans, or the edge that is all of the shape; 0 for others. The whole
-    /// shape is on one side of a plane through that edge, also where it is a line of a cylinder's or cone's side.
+    /// The cosine of the angle by which a face or an edge leans, as [`level_of_edge`] has it; 0 for a vertex.
     pub(super) fn level(&self) -> f64 {
-        match self.points() {
-            [p, q] if self.of_line => {
-                let across = p.at.distance(q.at);
-                across / across.hypot(p.height - q.height).max(f64::MIN_POSITIVE)
-            }
-            _ => self.facing,
-        }
+        self.level
     }
 
     /// The height of its face's plane above a place, or of its first corner where it is no face.

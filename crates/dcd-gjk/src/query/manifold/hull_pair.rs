@@ -8,6 +8,7 @@ use super::cuboid_pair::Place;
 use super::cuboid_polygon::{LineOf, PointOf, Polygon, features};
 use super::facing::Part;
 use super::feature::{Placed, View};
+use super::leaning_edge::level_of_edge;
 use super::patch_writer::{PatchWriter, Point};
 use super::reduce;
 use super::{CROSSING, Feature, SAME, bound_of, bound_of_witnesses};
@@ -41,7 +42,7 @@ struct Side<'a> {
     facing: f64,
     /// By how much its plane rises along x and y; 0 where it is no face.
     slope: DVec2,
-    /// The cosine of the angle by which a face leans, or the edge that is all of the shape; 0 for others.
+    /// The cosine of the angle by which a face or an edge leans; 0 for others.
     level: f64,
     /// Whether it looks against the normal: its face's corners then go round clockwise.
     is_turned: bool,
@@ -53,18 +54,15 @@ impl<'a> Side<'a> {
         let turn = view.turn(placed.rotation);
         let (at, height) = view.of(placed.place);
         let (mut facing, mut slope, mut level) = (0.0, DVec2::ZERO, 0.0);
-        match (part, polytope.vertices()) {
-            (Part::Face { normal, .. }, _) => {
-                let normal = turn * *normal;
+        match *part {
+            Part::Face { normal, .. } => {
+                let normal = turn * normal;
                 facing = normal.z.abs();
                 slope = -normal.truncate() / normal.z;
                 level = facing;
             }
-            (Part::Edge(_), &[p, q]) => {
-                let along = turn * (q - p);
-                level = along.truncate().length() / along.length().max(f64::MIN_POSITIVE);
-            }
-            _ => {}
+            Part::Edge(ends) => level = level_of_edge(polytope, ends, view.towards(placed)),
+            Part::Vertex(_) => {}
         }
         let is_turned = placed.sense < 0.0;
         Self { polytope, part, turn, origin: at.extend(height), facing, slope, level, is_turned }

@@ -21,6 +21,7 @@ mod few;
 mod few_on_plane;
 mod hull_pair;
 mod hull_patches;
+mod leaning_edge;
 mod mesh_on_plane;
 mod on_mesh;
 mod on_plane;

@@ -6,6 +6,7 @@
 use super::clip::{self, different};
 use super::facing::Part;
 use super::feature::View;
+use super::leaning_edge::level_of_edge;
 use super::reduce::{self, Spot};
 use super::stand_in::StandIn;
 use super::{Feature, Manifold, ManifoldPoint, SAME, bound_of, write_one_point};
@@ -50,14 +51,6 @@ enum Source<'a> {
 }
 
 impl Source<'_> {
-    /// Whether an edge is all that the shape shows there.
-    fn has_line(self) -> bool {
-        match self {
-            Self::Vertices(vertices) => vertices.len() == 2,
-            Self::StandIn(_) => true,
-        }
-    }
-
     /// A corner in the shape's own frame.
     #[inline(always)]
     fn corner(self, k: u32) -> DVec3 {
@@ -247,15 +240,18 @@ impl Resting<'_> {
         kept.iter().map(less).fold(0.0, f64::max).min(inside)
     }
 
-    /// The cosine of the angle by which a face leans, or the edge that is all of the shape there; 0 for others.
+    /// The cosine of the angle by which a face or an edge leans; 0 for a vertex.
     fn level(&self) -> f64 {
-        match *self.part {
-            Part::Face { normal, .. } => normal.dot(self.local).abs(),
-            Part::Edge([j, k]) if self.source.has_line() => {
+        match (*self.part, self.sides[self.number].shape) {
+            (Part::Face { normal, .. }, _) => normal.dot(self.local).abs(),
+            (Part::Edge(ends), Shape::Polytope(polytope)) => {
+                level_of_edge(polytope, ends, self.local)
+            }
+            (Part::Edge([j, k]), _) => {
                 let edge = self.source.corner(k) - self.source.corner(j);
                 edge.reject_from_normalized(self.local).length() / edge.length()
             }
-            _ => 0.0,
+            (Part::Vertex(_), _) => 0.0,
         }
     }
 

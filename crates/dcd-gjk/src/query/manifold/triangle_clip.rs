@@ -9,6 +9,7 @@ use super::cuboid_polygon::{LineOf, PointOf, features};
 use super::facing::Part;
 use super::feature::{Placed, View};
 use super::hull_pair::Points;
+use super::leaning_edge::level_of_edge;
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DVec2, DVec3};
 use dcd_simd::ArrayVec;
@@ -60,13 +61,8 @@ impl Outline {
         match part {
             Part::Vertex(_) => return None,
             &Part::Edge([j, k]) => {
-                let (from, to) = (point(j), point(k));
-                outline.points.extend([from, to].into_iter());
-                if body.vertices().len() == 2 {
-                    let along = to.1 - from.1;
-                    let across = along.truncate().length();
-                    outline.leaning.level = across / along.length().max(f64::MIN_POSITIVE);
-                }
+                outline.points.extend([point(j), point(k)].into_iter());
+                outline.leaning.level = level_of_edge(body, [j, k], view.towards(placed));
             }
             Part::Face { normal, corners, .. } => {
                 if corners.len() > CORNERS {

@@ -12,6 +12,7 @@ mod several;
 
 use super::corners::share_no_corners;
 use super::facing::{Part, edge};
+use super::leaning_edge::level_of_edge;
 use super::patch_writer::{PatchWriter, Point};
 use super::{Feature, SAME, bound_of, bound_of_witnesses};
 use crate::order;
@@ -187,13 +188,12 @@ impl<'a> Shown<'a> {
     #[inline(never)]
     fn leans(&self, k: usize) -> f64 {
         let polytope = self.polytopes[k];
-        let level = match (&self.parts[k], polytope.vertices()) {
-            (Part::Edge(_), &[p, q]) => {
+        let level = match self.parts[k] {
+            Part::Edge(ends) => {
                 let FoundPair { found, sides, .. } = self.pair;
-                let towards = sides[k].pose.rotation().transpose() * found.depth.normal;
-                let along = q - p;
-                let across = along - towards * towards.dot(along);
-                across.length() / along.length().max(f64::MIN_POSITIVE)
+                let sense = if k == 0 { 1.0 } else { -1.0 };
+                let towards = sides[k].pose.rotation().transpose() * (found.depth.normal * sense);
+                level_of_edge(polytope, ends, towards)
             }
             _ => self.facing[k],
         };
