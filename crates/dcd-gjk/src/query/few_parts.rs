@@ -8,7 +8,7 @@
 mod framed;
 
 use super::{Accuracy, Feature, depths};
-use crate::distance::{Distance, DistanceResult, distance_at};
+use crate::distance::{Distance, DistanceResult, distance_at, gap_along};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, OfTriangle};
 use crate::{PosedShape, PosedSupport, Verdict, certified, closed};
@@ -437,10 +437,14 @@ pub(super) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance>
             break;
         }
         let ((in_a, moved_a), (in_b, moved_b)) = (part_a.posed()?, part_b.posed()?);
+        let moved = moved_a + moved_b + couple.lost;
+        if nearest.is_some_and(|nearest| are_beyond([in_a, in_b], moved, &nearest)) {
+            continue;
+        }
         let DistanceResult::Apart(found) = distance_at(Accuracy::F32, in_a, in_b).0 else {
             return None;
         };
-        let error_bound = (found.error_bound + (moved_a + moved_b + couple.lost)).next_up();
+        let error_bound = (found.error_bound + moved).next_up();
         if !(found.distance > error_bound) {
             return None;
         }
@@ -455,6 +459,12 @@ pub(super) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance>
     let found =
         framed.distance(Distance { error_bound: nearest.error_bound.max(below), ..nearest });
     Some(if swapped { found.mirrored() } else { found })
+}
+
+/// Whether two parts that are moved by so much are no nearer than others, as these show along their normal: one support of
+/// each in place of a search.
+fn are_beyond([a, b]: [PosedShape<'_>; 2], moved: f64, nearest: &Distance) -> bool {
+    gap_along(a, b, nearest.normal).is_some_and(|gap| (gap - moved).next_down() >= nearest.distance)
 }
 
 #[cfg(test)]

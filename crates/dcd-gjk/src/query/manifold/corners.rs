@@ -215,7 +215,7 @@ impl Corners {
         if added.is_none() {
             let before = self.len();
             let placed = Placed { rotation: &DMat3::IDENTITY, place: DVec3::ZERO, sense: 1.0 };
-            let triangle = view.shown(part, &placed, |k| corners[k as usize]);
+            let triangle = view.seen_triangle(part, &placed, (corners, radii[0]));
             let seen = view.seen(facing.polytope, &facing.placed);
             self.add_shared(&triangle, &seen, radii);
             if self.deepest_after(before) > most {

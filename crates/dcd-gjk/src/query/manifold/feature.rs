@@ -1,7 +1,7 @@
 //! What a polytope shows along a normal: a face, an edge or a vertex, seen from there.
 
 use super::facing::Part;
-use super::leaning_edge::level_of_edge;
+use super::leaning_edge::{level_of_edge, level_of_triangles_edge};
 use super::{CROSSING, Feature};
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
@@ -101,6 +101,23 @@ impl View {
             Part::Edge(ends) => {
                 let level = level_of_edge(polytope, ends, self.towards(placed));
                 Seen { level, ..seen }
+            }
+            _ => seen,
+        }
+    }
+
+    /// What a triangle with that radius shows, of corners in its own frame.
+    pub(super) fn seen_triangle<'a>(
+        &self,
+        part: Part<'a>,
+        placed: &Placed<'_>,
+        (corners, radius): (&[DVec3; 3], f64),
+    ) -> Seen<'a> {
+        let seen = self.shown(part, placed, |k| corners[k as usize]);
+        match part {
+            Part::Edge(ends) => {
+                let towards = self.towards(placed);
+                Seen { level: level_of_triangles_edge(corners, ends, towards, radius), ..seen }
             }
             _ => seen,
         }

@@ -8,27 +8,48 @@ use dcd_geom::{Polytope, SupportMap};
 /// the edge look elsewhere; 0 where nothing less than r is known.
 ///
 /// Proof: docs/numerics/proofs.md, "manifolds".
-// Out of line: rounded polytopes alone need it.
-#[inline(never)]
 pub(super) fn level_of_edge(polytope: &Polytope, ends: [u32; 2], towards: DVec3) -> f64 {
-    let radius = polytope.swept_radius();
+    let vertices = polytope.vertices();
+    let ends = ends.map(|k| vertices[k as usize]);
+    let farthest = |outward| SupportMap::<f64>::support(polytope, outward).point;
+    level(ends, towards, polytope.swept_radius(), farthest)
+}
+
+/// The same of an edge of a triangle with that radius.
+pub(super) fn level_of_triangles_edge(
+    corners: &[DVec3; 3],
+    ends: [u32; 2],
+    towards: DVec3,
+    radius: f64,
+) -> f64 {
+    let farthest = |outward: DVec3| {
+        let farther = |p: DVec3, q: DVec3| if outward.dot(q) > outward.dot(p) { q } else { p };
+        farther(farther(corners[0], corners[1]), corners[2])
+    };
+    level(ends.map(|k| corners[k as usize]), towards, radius, farthest)
+}
+
+/// By the farthest point of the core along a direction.
+#[inline(always)]
+fn level(
+    [from, to]: [DVec3; 2],
+    towards: DVec3,
+    radius: f64,
+    farthest: impl FnOnce(DVec3) -> DVec3,
+) -> f64 {
     if radius == 0.0 {
         // Nothing is moved.
         return 1.0;
     }
-    let [from, to] = ends.map(|k| polytope.vertices()[k as usize]);
     let along = to - from;
     let across = towards - along * (towards.dot(along) / along.length_squared());
-    // False for NaN, of an edge without length.
     let cosine = across.length();
+    // False for NaN, of an edge without length.
     if !(cosine > 0.0) {
         return 0.0;
     }
-    if polytope.vertices().len() == 2 {
-        return cosine;
-    }
     let outward = across / cosine;
-    let farthest = SupportMap::<f64>::support(polytope, outward).point;
+    let farthest = farthest(outward);
     let beyond = outward.dot(farthest - from).max(outward.dot(farthest - to)).max(0.0);
     (towards.dot(outward) - beyond / radius).clamp(0.0, 1.0)
 }
@@ -68,6 +89,20 @@ mod tests {
             counts[1] += usize::from(level > 0.9);
         }
         assert!(counts[0] > 500 && counts[1] > 200, "{counts:?}");
+    }
+
+    #[test]
+    fn an_edge_of_a_triangle_leans_as_that_of_the_polytope_does() {
+        let mut draw = Draw(72);
+        for k in 0..600 {
+            let radius = [0.0, 0.01, 0.3][k % 3];
+            let corners = [0; 3].map(|_| draw.vector());
+            let triangle = Polytope::mesh_triangle(corners).unwrap().rounded(radius).unwrap();
+            let (towards, ends) = (draw.vector().normalize(), [0, 1 + k as u32 % 2]);
+            let due = level_of_edge(&triangle, ends, towards);
+            let found = level_of_triangles_edge(&corners, ends, towards, radius);
+            assert!((found - due).abs() <= 1e-12, "{k}: {found} {due}");
+        }
     }
 
     /// By GJK; 0 inside.

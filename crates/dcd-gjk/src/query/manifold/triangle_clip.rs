@@ -9,7 +9,7 @@ use super::cuboid_polygon::{LineOf, PointOf, features};
 use super::facing::Part;
 use super::feature::{Placed, View};
 use super::hull_pair::Points;
-use super::leaning_edge::level_of_edge;
+use super::leaning_edge::{level_of_edge, level_of_triangles_edge};
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DVec2, DVec3};
 use dcd_simd::ArrayVec;
@@ -78,8 +78,12 @@ impl Outline {
 }
 
 impl Outline<3> {
-    /// What a triangle shows, of corners in world axes. `None` of a vertex.
-    fn of_triangle(view: &View, part: &Part<'_>, triangle: &[DVec3; 3]) -> Option<Self> {
+    /// What a triangle with that radius shows, of corners in world axes. `None` of a vertex.
+    fn of_triangle(
+        view: &View,
+        part: &Part<'_>,
+        (triangle, radius): (&[DVec3; 3], f64),
+    ) -> Option<Self> {
         let point = |index: u32| {
             let (at, height) = view.of(triangle[index as usize]);
             (index, at.extend(height))
@@ -89,6 +93,8 @@ impl Outline<3> {
             Part::Vertex(_) => return None,
             &Part::Edge([j, k]) => {
                 outline.points.extend([point(j), point(k)].into_iter());
+                outline.leaning.level =
+                    level_of_triangles_edge(triangle, [j, k], view.normal(), radius);
             }
             Part::Face { normal, corners, .. } => {
                 outline.points.extend(corners.iter().map(|&index| point(index)));
@@ -138,7 +144,9 @@ pub(super) fn add(
     points: &mut Points,
     corners: &mut Vec<Corner>,
 ) -> Option<()> {
-    let Some(triangle) = Outline::of_triangle(view, part, triangle) else { return Some(()) };
+    let Some(triangle) = Outline::of_triangle(view, part, (triangle, radii[0])) else {
+        return Some(());
+    };
     let (triangle, body) = (triangle.shown(), body.shown());
     // The face that is more square to the normal clips: its plane is the better known.
     let number = usize::from(triangle.leaning.facing < body.leaning.facing);

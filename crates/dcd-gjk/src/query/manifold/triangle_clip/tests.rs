@@ -87,7 +87,7 @@ impl Round {
     fn general(&self, radii: [f64; 2], size: f64) -> Option<Vec<Corner>> {
         let part = Part::of_triangle(self.triangle, self.view.normal())?;
         let placed = Placed { rotation: &DMat3::IDENTITY, place: DVec3::ZERO, sense: 1.0 };
-        let triangle = self.view.shown(part, &placed, |k| self.triangle[k as usize]);
+        let triangle = self.view.seen_triangle(part, &placed, (&self.triangle, radii[0]));
         let seen = self.view.seen(&self.body, &self.placed());
         let mut patch = Patch::default();
         patch.of(&triangle, &seen, -(radii[0] + radii[1]), size);
