@@ -462,9 +462,16 @@ pub(super) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance>
 }
 
 /// Whether two parts that are moved by so much are no nearer than others, as these show along their normal: one support of
-/// each in place of a search.
+/// each in place of a search. False of spheres and capsules, whose distances mostly take a formula.
 fn are_beyond([a, b]: [PosedShape<'_>; 2], moved: f64, nearest: &Distance) -> bool {
-    gap_along(a, b, nearest.normal).is_some_and(|gap| (gap - moved).next_down() >= nearest.distance)
+    let is_round = |side: PosedShape<'_>| {
+        let kind = side.shape.as_polytope().map(Polytope::kind);
+        matches!(kind, Some(Kind::Point | Kind::Segment))
+    };
+    let gap = || gap_along(a, b, nearest.normal);
+    !is_round(a)
+        && !is_round(b)
+        && gap().is_some_and(|gap| (gap - moved).next_down() >= nearest.distance)
 }
 
 #[cfg(test)]

@@ -43,30 +43,30 @@ pub(crate) fn approach_from<A: InBlocks, B: InBlocks>(
     [gap, enough]: [f64; 2],
     first: Simplex<f64>,
 ) -> Result<Approach, Verdict<()>> {
-    let mut best = Approach::towards(start::<f64>(difference.middle()));
+    let mut best =
+        Approach { simplex: first, ..Approach::towards(start::<f64>(difference.middle())) };
     // The direction that `lower` is known by, and what the one that was tried last bounds.
     let (mut proved, mut last_lower) = (best.direction, -f64::MAX);
-    let mut first = (!first.vertices().is_empty()).then_some(first);
     let mut nearest_so_far = f64::MAX;
-    for _ in 0..MAX_SUPPORTS {
-        let known = best.simplex.vertices().len();
-        match first.take() {
-            Some(first) => best.simplex = first,
-            None => {
-                let (vertex, separation) = lowest(difference, best.direction);
-                let along = separation / best.direction.length();
-                last_lower = bounds.lower_bound_along(along);
-                if last_lower > best.lower {
-                    (best.lower, proved) = (last_lower, best.direction);
-                }
-                // The gap is closed to the last bit, or the vertex is nothing new.
-                let is_closed =
-                    best.length - along <= UNIT * best.length || best.upper - best.lower <= gap;
-                if is_closed || best.lower >= enough || best.simplex.holds(&vertex) {
-                    break;
-                }
-                best.simplex.push(vertex);
+    for step in 0..MAX_SUPPORTS {
+        let mut known = best.simplex.vertices().len();
+        if step == 0 && known > 0 {
+            // Of the first simplex the nearest point is not known yet.
+            known = 0;
+        } else {
+            let (vertex, separation) = lowest(difference, best.direction);
+            let along = separation / best.direction.length();
+            last_lower = bounds.lower_bound_along(along);
+            if last_lower > best.lower {
+                (best.lower, proved) = (last_lower, best.direction);
             }
+            // The gap is closed to the last bit, or the vertex is nothing new.
+            let is_closed =
+                best.length - along <= UNIT * best.length || best.upper - best.lower <= gap;
+            if is_closed || best.lower >= enough || best.simplex.holds(&vertex) {
+                break;
+            }
+            best.simplex.push(vertex);
         }
         let Some(near) = best.simplex.nearest() else { break };
         let squared = near.square[0] / near.square[1];

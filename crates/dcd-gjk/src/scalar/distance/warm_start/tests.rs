@@ -56,10 +56,14 @@ fn a_warm_start_is_mostly_where_the_search_in_f64_ends() {
         let warm = warm.unwrap();
         assert!(warm.lower <= cold.upper && cold.lower <= warm.upper, "{k}");
         assert!((warm.length - cold.length).abs() <= 1e-12, "{k}");
-        apart += 1;
-        same += usize::from(features(&start) == features(&warm.simplex));
+        let have_few = a.vertices().len() <= 8 && b.vertices().len() <= 8;
+        assert_eq!(start.vertices().is_empty(), have_few, "{k}");
+        if !have_few {
+            apart += 1;
+            same += usize::from(features(&start) == features(&warm.simplex));
+        }
     }
-    assert!(apart > 2000 && same * 100 > apart * 95, "{same} of {apart}");
+    assert!(apart > 1000 && same * 100 > apart * 95, "{same} of {apart}");
 }
 
 #[test]
