@@ -43,8 +43,8 @@ use alone::Known;
 pub use contacts::ManifoldContacts;
 use corners::Corners;
 pub(crate) use cuboids::case_of;
-use dcd_geom::Pair;
 use dcd_geom::glam::DVec3;
+use dcd_geom::{Pair, Shape, SupportMap};
 use dcd_simd::{ArrayVec, Path, dispatch_on};
 pub(crate) use facing::{FACING, LEVEL};
 use feature::View;
@@ -384,10 +384,23 @@ fn write_by_corners(
 /// What two spheres touch with.
 const OF_SPHERES: [Feature; 2] = [Feature::Vertex(0); 2];
 
-/// The bound of a manifold of shapes so large.
+/// The bound of a manifold of shapes so large, without what is swept round them.
 fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) -> f64 {
     let far = a.pose.translation().length() + b.pose.translation().length();
-    (depth.error_bound + FLAT * size + 8.0 * f64::EPSILON * far).min(f64::MAX)
+    let turned = TURNED * (a.pose.deviation() + b.pose.deviation());
+    let lengths = size + (swept_round(a.shape) + swept_round(b.shape)) + depth.depth;
+    let error_bound = depth.error_bound + FLAT * size + turned * lengths;
+    (error_bound + 8.0 * f64::EPSILON * far).min(f64::MAX)
+}
+
+/// The largest radius that is swept round a shape, or a part of it: metres.
+fn swept_round(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Compound(compound) => {
+            compound.parts().iter().map(|part| part.shape.radius()).fold(0.0, f64::max)
+        }
+        whole => whole.radius(),
+    }
 }
 
 /// The same of a manifold that is the witnesses of the depth alone, with what these lack of the depth along the normal.
@@ -419,6 +432,11 @@ const SAME: f64 = 1e-9;
 /// How flat the faces are, and how far two parallel edges may lean, as a part of the error bound;
 /// relative to the shapes' size.
 const FLAT: f64 = 1e-8;
+
+/// How far points may be off for what the poses are off rotations by: planes that are turned as vectors are, and the angles by
+/// which faces and edges lean. Unit: the deviations, times the size, the swept radii and the depth. Derived: 3.2. Smaller:
+/// points off their surfaces by more than the bound. (docs/numerics/proofs.md, "manifolds")
+const TURNED: f64 = 4.0;
 
 /// The sine above which two edges surely cross.
 const CROSSING: f64 = 1e-6;
