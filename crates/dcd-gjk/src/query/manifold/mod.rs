@@ -64,8 +64,8 @@ pub struct Manifold {
     pub normal: DVec3,
     /// How far a point may be off its object's surface, and the first one's depth off that of the deepest parts:
     /// metres. The depth's own bound, and how flat a face is, about 1e-8 of the objects' size. More where a rounded face
-    /// leans, at most by what its points are less deep than the first; and where parts meet along normals that agree
-    /// within 1e-3 rad and no better, that angle's part of the depth.
+    /// or edge leans, at most by what its points are less deep than the first; where parts meet along normals that agree
+    /// within 1e-3 rad and no better, that angle's part of the depth; and by what poses are off rotations.
     pub error_bound: f64,
     /// Which parts of a and of b are the patch's deepest, where they are compounds or meshes.
     pub parts: [Option<PartIndex>; 2],
@@ -387,10 +387,14 @@ const OF_SPHERES: [Feature; 2] = [Feature::Vertex(0); 2];
 /// The bound of a manifold of shapes so large, without what is swept round them.
 fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) -> f64 {
     let far = a.pose.translation().length() + b.pose.translation().length();
-    let turned = TURNED * (a.pose.deviation() + b.pose.deviation());
-    let lengths = size + (swept_round(a.shape) + swept_round(b.shape)) + depth.depth;
-    let error_bound = depth.error_bound + FLAT * size + turned * lengths;
-    (error_bound + 8.0 * f64::EPSILON * far).min(f64::MAX)
+    let turned = turned_by(a.pose.deviation() + b.pose.deviation(), (depth, size, [a, b]));
+    (depth.error_bound + FLAT * size + turned + 8.0 * f64::EPSILON * far).min(f64::MAX)
+}
+
+/// How far points of a manifold may be off for what poses are off rotations by, the sum of both: metres.
+fn turned_by(deviation: f64, (depth, size, [a, b]): (&Depth, f64, [PosedShape<'_>; 2])) -> f64 {
+    let radii = swept_round(a.shape) + swept_round(b.shape);
+    TURNED * deviation * (size + radii + depth.depth)
 }
 
 /// The largest radius that is swept round a shape, or a part of it: metres.
