@@ -15,6 +15,7 @@ mod ranks;
 mod scenes;
 mod sphere_scenes;
 mod surfaces;
+mod swept_surfaces;
 mod thin_impacts;
 mod thin_rays;
 mod undecided;

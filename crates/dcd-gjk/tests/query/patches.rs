@@ -37,7 +37,7 @@ fn joined(one: (Vec<DVec3>, Vec<[u32; 3]>), other: (Vec<DVec3>, Vec<[u32; 3]>)) 
 }
 
 /// The parts of a shape as shapes of its own frame.
-fn parts(shape: &Shape) -> Vec<Shape> {
+pub(super) fn parts(shape: &Shape) -> Vec<Shape> {
     match shape {
         Shape::Mesh(mesh) => (0..mesh.triangles().len())
             .map(|k| {
@@ -54,7 +54,7 @@ fn parts(shape: &Shape) -> Vec<Shape> {
     }
 }
 
-fn part_of(parts: &[Shape], index: Option<PartIndex>) -> &Shape {
+pub(super) fn part_of(parts: &[Shape], index: Option<PartIndex>) -> &Shape {
     match index {
         None => &parts[0],
         Some(PartIndex::Part(k) | PartIndex::Triangle(k)) => &parts[k as usize],
@@ -63,7 +63,7 @@ fn part_of(parts: &[Shape], index: Option<PartIndex>) -> &Shape {
 
 /// How far a point is from a convex body's surface, outside or inside of it: by the distance and the depth of a sphere
 /// of radius 0.
-fn off_surface(point: DVec3, shape: &Shape, pose: &Pose) -> f64 {
+pub(super) fn off_surface(point: DVec3, shape: &Shape, pose: &Pose) -> f64 {
     let sphere = Polytope::sphere(0.0).unwrap().into();
     let point = Pose::from_translation(point).unwrap();
     let body = PosedSupport { shape: shape.clone(), pose: *pose };

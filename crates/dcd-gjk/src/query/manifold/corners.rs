@@ -45,6 +45,11 @@ impl Corners {
         self.corners[count..].iter().map(Corner::depth).fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// How large the shapes are whose corners these are: metres.
+    pub(super) fn size(&self) -> f64 {
+        self.size
+    }
+
     /// What is lost by faces that are not flat.
     pub(super) fn tolerance(&self) -> f64 {
         SAME * self.size

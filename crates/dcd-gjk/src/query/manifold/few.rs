@@ -7,7 +7,7 @@
 use super::corners::{Corners, is_sphere};
 use super::feature::View;
 use super::parts::{ALIKE, NEAR};
-use super::{Feature, Manifold, ManifoldSet, Scratch, few_on_plane, write_of_two};
+use super::{Feature, Manifold, ManifoldSet, Scratch, few_on_plane, turned_by, write_of_two};
 use crate::epa::Depth;
 use crate::query::few_parts::{self, Couple, Framed, Wanted};
 use crate::{PosedShape, mesh};
@@ -142,7 +142,8 @@ impl Patches<'_, '_> {
     fn write_several(&mut self, lead: usize, depth: &Depth, manifold: &mut Manifold) -> Option<()> {
         let view = View::along(depth.normal);
         self.corners.clear();
-        let (mut features, mut rest, mut most_moved) = (Default::default(), 0.0f64, 0.0f64);
+        let (mut features, mut rest) = (Default::default(), 0.0f64);
+        let (mut most_moved, mut most_turned) = (0.0f64, 0.0f64);
         for k in 0..self.found.len() {
             let Found { pair, depth: own, is_open } = self.found[k];
             let member = if is_open { self.member(k, lead, depth) } else { None };
@@ -150,6 +151,8 @@ impl Patches<'_, '_> {
             self.found[k].is_open = false;
             let (posed, moved) = self.couple.posed(pair)?;
             most_moved = most_moved.max(moved);
+            most_turned =
+                posed.iter().map(|side| side.pose.deviation()).sum::<f64>().max(most_turned);
             let before = self.corners.len();
             let is_bounded = posed.iter().all(|side| side.shape.is_bounded());
             // A sphere has no corners; of the deepest pair the size and the features count.
@@ -165,7 +168,9 @@ impl Patches<'_, '_> {
             self.corners.are_of(k as u32, before);
         }
         let of_points = self.corners.write(&view, depth, self.sides, features, manifold);
-        manifold.error_bound = (manifold.error_bound + rest + most_moved).min(f64::MAX);
+        // Of the sides' poses it is counted; the parts have others.
+        let turned = turned_by(most_turned, (depth, self.corners.size(), self.sides));
+        manifold.error_bound = (manifold.error_bound + rest + most_moved + turned).min(f64::MAX);
         let [a, b] = self.sides;
         let parts = |[j, k]: [u32; 2]| [mesh::part_index(a.shape, j), mesh::part_index(b.shape, k)];
         manifold.parts = parts(self.found[lead].pair);

@@ -6,14 +6,14 @@
 use super::clip::different;
 use super::on_plane::{MOST as CORNERS, Resting};
 use super::reduce::{self, Spot};
-use super::{Feature, Manifold, ManifoldPoint, SAME, bound_of};
+use super::{Feature, Manifold, ManifoldPoint, SAME, TURNED, bound_of};
 use crate::closed::level::PlaneInFrame;
 use crate::epa::Depth;
 use crate::mesh::PartIndex;
 use crate::query::{Accuracy, few_parts};
 use crate::{PosedShape, Verdict};
 use dcd_geom::glam::{DVec2, DVec3};
-use dcd_geom::{Pose, Shape};
+use dcd_geom::{Pose, Shape, SupportMap};
 use dcd_simd::ArrayVec;
 
 /// A corner of a part that is not above the plane.
@@ -28,6 +28,8 @@ struct Corner {
     depth: f64,
     /// How far inside a swept surface the point may be.
     inside: f64,
+    /// What the part's depth may be off by.
+    error_bound: f64,
 }
 
 impl Spot for Corner {
@@ -108,12 +110,13 @@ impl Below {
     ) -> Option<()> {
         let size = Resting::seen(depth, [posed, half_space], lowest, |resting| {
             let (x, y) = self.axes;
-            let (swept, inside) = (resting.swept(), resting.inside());
             let pose = posed.pose;
+            let inside = resting.inside() + TURNED * pose.deviation() * posed.shape.radius();
+            let (swept, error_bound) = (resting.swept(), depth.error_bound);
             resting.each_below(depth, |index, corner, depth| {
                 let point = pose.apply(corner) + swept;
                 let at = DVec2::new(x.dot(point), y.dot(point));
-                self.corners.push(Corner { part, index, point, at, depth, inside });
+                self.corners.push(Corner { part, index, point, at, depth, inside, error_bound });
             });
             resting.size()
         })?;
@@ -146,12 +149,14 @@ impl Below {
         found.points[0].depth = self.depth;
         found.normal = normal;
         found.parts = [Some(PartIndex::Part(self.part)), None];
+        let whole = self.whole();
         let off_surface = |&k: &usize| {
-            let Corner { inside, depth, .. } = corners[k];
-            inside.min((self.depth - depth).max(0.0))
+            let Corner { inside, depth, error_bound, .. } = corners[k];
+            let own = (error_bound - whole.error_bound).max(0.0);
+            inside.min((self.depth - depth).max(0.0)) + own
         };
         let off_surface = kept.iter().map(off_surface).fold(0.0, f64::max);
-        let error_bound = bound_of(&self.whole(), self.size, sides) + off_surface;
+        let error_bound = bound_of(&whole, self.size, sides) + off_surface;
         found.error_bound = error_bound.min(f64::MAX);
         Some(())
     }

@@ -71,7 +71,9 @@ pub(super) fn measure(sides: [PosedShape<'_>; 2], scratch: &mut Scratch) -> Opti
     found.points[0].depth = depth.depth;
     found.parts = found.points[0].parts;
     // What is lost of a depth, once more of the other vertices'.
-    found.error_bound = (bound_of(&depth, 0.0, sides) + depth.error_bound).min(f64::MAX);
+    let error_bound = bound_of(&depth, 0.0, sides) + depth.error_bound;
+    let inside = kept[..count].iter().map(|&k| resting.inside(&below[k], &depth));
+    found.error_bound = (error_bound + inside.fold(0.0, f64::max)).min(f64::MAX);
     Some(found.into())
 }
 
@@ -105,6 +107,12 @@ impl<'a> Resting<'a> {
         let depth = self.local.dot(point) + self.base;
         let at = || DVec2::new(self.axes.0.dot(point), self.axes.1.dot(point));
         (depth >= 0.0).then(|| (at(), depth))
+    }
+
+    /// How far inside a swept surface a vertex may be that is swept along the normal: no more than what it is less deep.
+    #[inline]
+    fn inside(&self, below: &Below, most: &Depth) -> f64 {
+        (most.depth - below.depth).clamp(0.0, self.mesh.swept_radius())
     }
 
     fn point(&self, below: &Below, most: &Depth) -> ManifoldPoint {

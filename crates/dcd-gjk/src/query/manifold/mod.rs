@@ -43,8 +43,8 @@ use alone::Known;
 pub use contacts::ManifoldContacts;
 use corners::Corners;
 pub(crate) use cuboids::case_of;
-use dcd_geom::Pair;
 use dcd_geom::glam::DVec3;
+use dcd_geom::{Pair, Shape, SupportMap};
 use dcd_simd::{ArrayVec, Path, dispatch_on};
 pub(crate) use facing::{FACING, LEVEL};
 use feature::View;
@@ -64,8 +64,8 @@ pub struct Manifold {
     pub normal: DVec3,
     /// How far a point may be off its object's surface, and the first one's depth off that of the deepest parts:
     /// metres. The depth's own bound, and how flat a face is, about 1e-8 of the objects' size. More where a rounded face
-    /// leans, at most by what its points are less deep than the first; and where parts meet along normals that agree
-    /// within 1e-3 rad and no better, that angle's part of the depth.
+    /// or edge leans, at most by what its points are less deep than the first; where parts meet along normals that agree
+    /// within 1e-3 rad and no better, that angle's part of the depth; and by what poses are off rotations.
     pub error_bound: f64,
     /// Which parts of a and of b are the patch's deepest, where they are compounds or meshes.
     pub parts: [Option<PartIndex>; 2],
@@ -384,10 +384,27 @@ fn write_by_corners(
 /// What two spheres touch with.
 const OF_SPHERES: [Feature; 2] = [Feature::Vertex(0); 2];
 
-/// The bound of a manifold of shapes so large.
+/// The bound of a manifold of shapes so large, without what is swept round them.
 fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) -> f64 {
     let far = a.pose.translation().length() + b.pose.translation().length();
-    (depth.error_bound + FLAT * size + 8.0 * f64::EPSILON * far).min(f64::MAX)
+    let turned = turned_by(a.pose.deviation() + b.pose.deviation(), (depth, size, [a, b]));
+    (depth.error_bound + FLAT * size + turned + 8.0 * f64::EPSILON * far).min(f64::MAX)
+}
+
+/// How far points of a manifold may be off for what poses are off rotations by, the sum of both: metres.
+fn turned_by(deviation: f64, (depth, size, [a, b]): (&Depth, f64, [PosedShape<'_>; 2])) -> f64 {
+    let radii = swept_round(a.shape) + swept_round(b.shape);
+    TURNED * deviation * (size + radii + depth.depth)
+}
+
+/// The largest radius that is swept round a shape, or a part of it: metres.
+fn swept_round(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Compound(compound) => {
+            compound.parts().iter().map(|part| part.shape.radius()).fold(0.0, f64::max)
+        }
+        whole => whole.radius(),
+    }
 }
 
 /// The same of a manifold that is the witnesses of the depth alone, with what these lack of the depth along the normal.
@@ -419,6 +436,11 @@ const SAME: f64 = 1e-9;
 /// How flat the faces are, and how far two parallel edges may lean, as a part of the error bound;
 /// relative to the shapes' size.
 const FLAT: f64 = 1e-8;
+
+/// How far points may be off for what the poses are off rotations by: planes that are turned as vectors are, and the angles by
+/// which faces and edges lean. Unit: the deviations, times the size, the swept radii and the depth. Derived: 3.2. Smaller:
+/// points off their surfaces by more than the bound. (docs/numerics/proofs.md, "manifolds")
+const TURNED: f64 = 4.0;
 
 /// The sine above which two edges surely cross.
 const CROSSING: f64 = 1e-6;

@@ -32,7 +32,17 @@ pub(crate) fn approach<S: InBlocks>(
     bounds: &Bounds<f64>,
     gap: f64,
 ) -> Result<Approach, Verdict<()>> {
-    approach_from(difference, bounds, [gap, f64::MAX], warm_start(difference))
+    let search = |first| approach_from(difference, bounds, [gap, f64::MAX], first);
+    let near = search(warm_start(difference))?;
+    if near.length >= HARDLY || near.lower > 0.0 {
+        return Ok(near);
+    }
+    // Begun where it ends, the search has tried no direction but that, which may be rounding: from afar it comes by others.
+    match search(Simplex::default()) {
+        Ok(other) if other.lower > near.lower => Ok(other),
+        Err(Verdict::Touching(())) => Err(Verdict::Touching(())),
+        _ => Ok(near),
+    }
 }
 
 /// The same from the nearest point of a simplex, if it has a vertex, and to where the cores are known to be at least
