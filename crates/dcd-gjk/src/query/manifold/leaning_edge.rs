@@ -4,8 +4,8 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, SupportMap};
 
 /// The cosine of the angle by which an edge leans from a direction of the polytope's own frame, of unit length: moved along
-/// it by the swept radius r, a point of the edge is at most r·(1 − cosine) inside the surface. Smaller where the faces at
-/// the edge look elsewhere; 0 where nothing less than r is known.
+/// it by the swept radius r, a point of the edge is at most r·(1 − cosine) inside the surface. Smaller where the core
+/// reaches beyond the plane through the edge; 0 where nothing less than r is known.
 ///
 /// Proof: docs/numerics/proofs.md, "manifolds".
 pub(super) fn level_of_edge(polytope: &Polytope, ends: [u32; 2], towards: DVec3) -> f64 {

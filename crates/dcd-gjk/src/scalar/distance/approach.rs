@@ -33,16 +33,15 @@ pub(crate) fn approach<S: InBlocks>(
     gap: f64,
 ) -> Result<Approach, Verdict<()>> {
     let search = |first| approach_from(difference, bounds, [gap, f64::MAX], first);
-    let near = search(warm_start(difference))?;
-    if near.length >= HARDLY || near.lower > 0.0 {
+    let first = warm_start(difference);
+    let is_warm = !first.vertices().is_empty();
+    let near = search(first)?;
+    if !is_warm || near.length >= HARDLY || near.lower > 0.0 {
         return Ok(near);
     }
     // Begun where it ends, the search has tried no direction but that, which may be rounding: from afar it comes by others.
-    match search(Simplex::default()) {
-        Ok(other) if other.lower > near.lower => Ok(other),
-        Err(Verdict::Touching(())) => Err(Verdict::Touching(())),
-        _ => Ok(near),
-    }
+    let other = search(Simplex::default())?;
+    Ok(if other.lower > near.lower { other } else { near })
 }
 
 /// The same from the nearest point of a simplex, if it has a vertex, and to where the cores are known to be at least

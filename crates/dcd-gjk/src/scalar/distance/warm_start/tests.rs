@@ -1,13 +1,12 @@
 //! The search in f32 ends, mostly, with the vertices that the one in f64 ends with.
 
 use super::*;
+use crate::PosedSupport;
 use crate::certificate::Bounds;
-use crate::distance::approach::approach_from;
-use crate::distance::{DistanceResult, gap_along, in_f64};
+use crate::distance::approach::{approach, approach_from};
 use crate::motion::tests::Draw;
-use crate::{PosedShape, PosedSupport};
+use dcd_geom::Pose;
 use dcd_geom::glam::DQuat;
-use dcd_geom::{Pose, Shape};
 use dcd_simd::{Path, dispatch_on};
 
 /// Hulls of few vertices and of many, cuboids, triangles, segments, points, every third one far from its own origin.
@@ -98,36 +97,33 @@ fn sizes_beyond_f32_have_no_warm_start() {
     }
 }
 
-/// A cuboid, and a corner of a tetrahedron or a point on the diagonal of its face, where rounding has it.
-fn hardly_apart(draw: &mut Draw, k: usize) -> ([Shape; 2], [Pose; 2]) {
+/// A cuboid, and a corner of a hull of many vertices on the diagonal of its face, where rounding has it.
+fn hardly_apart(draw: &mut Draw, k: usize) -> ([Polytope; 2], [Pose; 2]) {
     let half = draw.vector().abs() * 0.4 + 0.1;
     let share = [0.0, 0.5, draw.number()][k % 3];
     let on_face = DVec3::new(half.x * share, half.y * share, half.z);
     let turn = DQuat::from_scaled_axis(draw.vector() * 3.0).normalize();
     let pose = Pose::new(turn, draw.vector() * [0.0, 1e3][k / 3 % 2]).unwrap();
-    let above = |_| DVec3::new(draw.number(), draw.number(), 1.0);
-    let above = [0; 3].map(above);
-    let corners = [DVec3::ZERO, above[0], above[1], above[2]];
-    let kept = if k / 6 % 2 == 0 { 1 } else { 4 };
-    let other = Shape::hull(corners[..kept].iter().map(|&corner| turn * corner).collect());
+    let above = (0..23).map(|_| DVec3::new(draw.number(), draw.number(), 1.0 + draw.number()));
+    let corners = std::iter::once(DVec3::ZERO).chain(above).map(|corner| turn * corner);
+    let other = Polytope::hull(corners.collect()).unwrap();
     let at = Pose::from_translation(pose.apply(on_face)).unwrap();
-    ([Shape::cuboid(half).unwrap(), other.unwrap()], [pose, at])
+    ([Polytope::cuboid(half).unwrap(), other], [pose, at])
 }
 
 #[test]
-fn along_the_normal_of_what_is_hardly_apart_it_is_hardly_deeper() {
+fn of_what_is_hardly_apart_no_less_is_known_than_from_afar() {
     let mut draw = Draw(64);
     let mut known = 0;
     for k in 0..6000 {
-        let (shapes, poses) = hardly_apart(&mut draw, k);
-        let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
-        let (DistanceResult::Apart(found) | DistanceResult::Interval { within: found, .. }) =
-            in_f64(a, b)
-        else {
-            continue;
-        };
-        let gap = gap_along(a, b, found.normal).unwrap();
-        assert!(gap > -1e-7, "{k}: {gap} along {found:?}");
+        let ([a, b], [at_a, at_b]) = hardly_apart(&mut draw, k);
+        let posed = (PosedSupport::polytope(&a, &at_a), PosedSupport::polytope(&b, &at_b));
+        let difference = Difference::<f64, _, _>::new(posed.0, posed.1).unwrap();
+        let bounds = Bounds::of(&difference);
+        let cold = approach_from(&difference, &bounds, [0.0, f64::MAX], Simplex::default());
+        let found = approach(&difference, &bounds, 0.0);
+        let (Ok(cold), Ok(found)) = (cold, found) else { continue };
+        assert!(found.lower >= cold.lower.min(0.0), "{k}: {} {}", found.lower, cold.lower);
         known += 1;
     }
     assert!(known > 2000, "{known}");
