@@ -63,6 +63,7 @@ pub struct Compound {
     parts: Vec<Part>,
     tree: PartTree,
     reach: f64,
+    swept_radius: f64,
 }
 
 impl Compound {
@@ -86,7 +87,8 @@ impl Compound {
         let parts = parts.into_iter().enumerate().map(place).collect::<Result<Vec<_>, _>>()?;
         let boxes: Vec<Aabb> = parts.iter().map(|part| part.placed.aabb(&Pose::IDENTITY)).collect();
         let reach = parts.iter().map(|part| part.placed.reach()).fold(0.0, f64::max);
-        Ok(Self { parts, tree: PartTree::over(&boxes), reach })
+        let swept_radius = parts.iter().map(|part| part.shape.radius()).fold(0.0, f64::max);
+        Ok(Self { parts, tree: PartTree::over(&boxes), reach, swept_radius })
     }
 
     /// The same parts with a sphere of this radius swept round each, metres; replaces any other
@@ -127,6 +129,11 @@ impl Compound {
     /// The largest distance of a point from the origin of the compound's frame, rounded up.
     pub fn reach(&self) -> f64 {
         self.reach
+    }
+
+    /// The largest radius of a sphere swept round the core of a part, metres.
+    pub fn swept_radius(&self) -> f64 {
+        self.swept_radius
     }
 }
 

@@ -400,9 +400,7 @@ fn turned_by(deviation: f64, (depth, size, [a, b]): (&Depth, f64, [PosedShape<'_
 /// The largest radius that is swept round a shape, or a part of it: metres.
 fn swept_round(shape: &Shape) -> f64 {
     match shape {
-        Shape::Compound(compound) => {
-            compound.parts().iter().map(|part| part.shape.radius()).fold(0.0, f64::max)
-        }
+        Shape::Compound(compound) => compound.swept_radius(),
         whole => whole.radius(),
     }
 }
