@@ -133,7 +133,12 @@ impl<L: Lanes> Found<L> {
         let mut corners = Corners::empty(l);
         clip.fill(l, slack, &mut corners);
         let kept = corners.to_four(l, l.mul(unit, l.splat(APART)));
-        let crossing = Crossing::of(l, &sides, between, slack);
+        // A scene of upright boxes has faces alone.
+        let all_have_face = l.bits(has_face).count_ones() as usize == WIDTH;
+        let crossing = match all_have_face {
+            true => Crossing::none(l),
+            false => Crossing::of(l, &sides, between, slack),
+        };
         let off = l.abs(l.sub(kept.corners[0].depth, overlap.value));
         let off = l.select(has_face, off, l.splat(0.0));
         Self { overlap, sides, has_face, second_clips, clip, kept, crossing, off, unit }

@@ -217,10 +217,14 @@ impl<L: Lanes> Clip<L> {
             let is_deep = l.le(l.neg(slack), point[2]);
             let is_used = l.and(l.and(within[k], self.is_face), is_deep);
             self.add(l, corners, point, l.splat(f32::from(SIDES[k])), is_used);
-            let share = l.div(point[2], l.sub(point[2], next[2]));
-            let crossing = between(l, point, next, share);
             let (is_above, next_above) = (l.lt(point[2], zero), l.lt(next[2], zero));
             let crosses = l.or(l.and_not(is_above, next_above), l.and_not(next_above, is_above));
+            // What rests is under the surface as a whole.
+            if l.bits(crosses) == 0 {
+                continue;
+            }
+            let share = l.div(point[2], l.sub(point[2], next[2]));
+            let crossing = between(l, point, next, share);
             let at = shares.at(l, self, [crossing[0], crossing[1]]);
             let is_used = l.and(l.and(crosses, self.is_face), shares.are_within(l, at));
             self.add(l, corners, crossing, l.splat(f32::from(TO_NEXT[k])), is_used);

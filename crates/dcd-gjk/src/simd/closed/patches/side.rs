@@ -157,6 +157,13 @@ pub(super) struct Crossing<L: Lanes> {
 }
 
 impl<L: Lanes> Crossing<L> {
+    /// Of no edges.
+    #[inline(always)]
+    pub(super) fn none(l: L) -> Self {
+        let zero = l.splat(0.0);
+        Self { offset: V3(zero, zero, zero), sine: zero, is_known: l.mask(0) }
+    }
+
     /// Of the edges that the sides show; beyond their ends they have the slack, over the sine between them.
     #[inline(always)]
     pub(super) fn of(l: L, sides: &[Side<L>; 2], apart: V3<L>, slack: L::F) -> Self {
