@@ -11,7 +11,7 @@ use dcd_geom::glam::{DVec2, DVec3};
 const PARALLEL: f64 = 1e-9;
 
 /// How far apart two corners must be, relative to the size, not to be one.
-const APART: f64 = 1e-9;
+pub(super) const APART: f64 = 1e-9;
 
 /// The sine below which a corner of a face that clips is sharp: where its two sides cut, rounding moves that corner by some
 /// 8u of the size over the sine. Larger: more faces that go the general way, which takes such a cut to the corner itself. Smaller:

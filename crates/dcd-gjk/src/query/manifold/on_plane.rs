@@ -3,6 +3,8 @@
 //! Heights are products in the shape's own frame, the corners seen along the normal likewise: nothing is clipped, and
 //! none of it is listed.
 
+mod few_corners;
+
 use super::clip::{self, different};
 use super::facing::Part;
 use super::feature::View;
@@ -139,6 +141,19 @@ impl Resting<'_> {
     /// Writes the manifold of that depth over an empty one.
     #[inline]
     pub(super) fn write(&self, depth: &Depth, found: &mut Manifold) {
+        let is_written = match *self.corners() {
+            [p, q] => self.write_edge([p, q], depth, found),
+            [p, q, r] => self.write_triangle([p, q, r], depth, found),
+            _ => false,
+        };
+        if !is_written {
+            self.write_chosen(depth, found);
+        }
+    }
+
+    /// The same of any number of corners, four of which stand for all.
+    #[inline(never)]
+    fn write_chosen(&self, depth: &Depth, found: &mut Manifold) {
         let mut corners = ArrayVec::new();
         self.list(depth, &mut corners);
         let count = different(&mut corners, self.size);
@@ -153,11 +168,15 @@ impl Resting<'_> {
             found.error_bound = error_bound;
             return;
         };
-        let kept = &kept[..count];
-        found.points.extend(kept.iter().map(|&k| self.point(&corners[k], depth.depth)));
+        let mut shallowest = depth.depth;
+        found.points.extend(kept[..count].iter().map(|&k| {
+            let Corner { index, point, depth: own, .. } = corners[k];
+            shallowest = shallowest.min(own);
+            self.point((index, point, own), depth.depth)
+        }));
         found.points[0].depth = depth.depth;
         found.normal = depth.normal;
-        found.error_bound = (error_bound + self.off_surface(depth, corners, kept)).min(f64::MAX);
+        found.error_bound = (error_bound + self.off_surface(depth, shallowest)).min(f64::MAX);
     }
 
     /// How large it is, metres.
@@ -230,14 +249,10 @@ impl Resting<'_> {
         });
     }
 
-    /// How far inside a swept surface a point may be that is swept along the normal: metres.
-    fn off_surface(&self, depth: &Depth, corners: &[Corner], kept: &[usize]) -> f64 {
-        let inside = self.inside();
-        if inside == 0.0 {
-            return 0.0;
-        }
-        let less = |&k: &usize| (depth.depth - corners[k].depth).max(0.0);
-        kept.iter().map(less).fold(0.0, f64::max).min(inside)
+    /// How far inside a swept surface points may be that are swept along the normal, by the depth of the shallowest: metres.
+    #[inline(always)]
+    fn off_surface(&self, depth: &Depth, shallowest: f64) -> f64 {
+        self.inside().min((depth.depth - shallowest).max(0.0))
     }
 
     /// The cosine of the angle by which a face or an edge leans; 0 for a vertex.
@@ -258,9 +273,7 @@ impl Resting<'_> {
     /// Hands on those of some corners that are not above the plane: the index, the place in the shape's own frame, the depth.
     #[inline(always)]
     fn below(&self, depth: &Depth, corners: &[u32], mut found: impl FnMut(u32, DVec3, f64)) {
-        let side = self.sides[self.number];
-        let on_plane = if self.number == 0 { depth.point_b } else { depth.point_a };
-        let base = self.towards.dot(side.pose.translation() - on_plane) + side.shape.radius();
+        let base = self.origin_below(depth);
         for &index in corners {
             let point = self.source.corner(index);
             let depth = self.local.dot(point) + base;
@@ -270,17 +283,26 @@ impl Resting<'_> {
         }
     }
 
-    /// A corner's points: of the shape, and of the plane over it.
+    /// How far a core's point at the origin of its own frame would be below the plane, with what is swept round it.
+    #[inline(always)]
+    fn origin_below(&self, depth: &Depth) -> f64 {
+        let side = self.sides[self.number];
+        let on_plane = if self.number == 0 { depth.point_b } else { depth.point_a };
+        self.towards.dot(side.pose.translation() - on_plane) + side.shape.radius()
+    }
+
+    /// The points of a corner, by its index, its place in the shape's own frame and its depth: of the shape, and of the plane
+    /// over it.
     #[inline]
-    fn point(&self, corner: &Corner, most: f64) -> ManifoldPoint {
+    fn point(&self, (index, point, depth): (u32, DVec3, f64), most: f64) -> ManifoldPoint {
         let side = self.sides[self.number];
         let swept = side.pose.translation() + self.swept();
-        let on_shape = *side.pose.rotation() * corner.point + swept;
-        let on_plane = on_shape - self.towards * corner.depth;
+        let on_shape = *side.pose.rotation() * point + swept;
+        let on_plane = on_shape - self.towards * depth;
         let (point_a, point_b) =
             if self.number == 0 { (on_shape, on_plane) } else { (on_plane, on_shape) };
-        let depth = corner.depth.clamp(0.0, most);
-        let features = self.features(Feature::Vertex(corner.index));
+        let depth = depth.clamp(0.0, most);
+        let features = self.features(Feature::Vertex(index));
         ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] }
     }
 

@@ -99,3 +99,56 @@ fn what_rests_on_a_plane_does_so_where_the_general_way_has_it() {
     assert!(compared > 5_000 && several > 1_000, "{compared}, {several} of several points");
     assert!(of_vertex > 1_000, "{of_vertex} with a known vertex");
 }
+
+#[test]
+fn few_corners_are_the_points_that_are_chosen_of_any_number() {
+    let mut draw = draw(62);
+    // By how many corners are shown, and how many points there are.
+    let (mut counts, mut left) = ([[0; 4]; 4], 0);
+    for round in 0..30_000 {
+        let thin = [1.0, 1.0, 1e-3, 1e-9, 1e-10, 0.0][round / 5 % 6];
+        let corner = |draw: &mut Draw| vector(draw) * DVec3::new(1.0, thin, 1.0);
+        let shape = match round % 5 {
+            0 => Shape::triangle([(); 3].map(|()| corner(&mut draw))),
+            1 => Shape::capsule(0.2 + draw.unit(), 0.1 + 0.2 * draw.unit()),
+            2 => Shape::capsule([0.5, 1e-9, 1e-10][round / 5 % 3], 0.1 + 0.2 * draw.unit()),
+            3 => Shape::cylinder(0.2 + draw.unit(), 0.2 + 0.3 * draw.unit()),
+            _ => Shape::hull((0..12).map(|_| corner(&mut draw)).collect()),
+        };
+        let Ok(shape) = shape else { continue };
+        let rounded = if round % 7 == 0 { shape.clone().rounded(0.1) } else { Ok(shape.clone()) };
+        let shape = rounded.unwrap_or(shape);
+        let tilt = vector(&mut draw) * if round % 2 == 0 { 0.1 } else { 3.0 };
+        let pose = Pose::new(
+            DQuat::from_scaled_axis(tilt),
+            DVec3::new(0.3, -0.2, 0.5 * draw.unit() - 0.3),
+        )
+        .unwrap();
+        let plane = Shape::half_space(DVec3::Z, 0.0).unwrap();
+        let body = PosedShape { shape: &shape, pose: &pose };
+        let ground = PosedShape { shape: &plane, pose: &Pose::IDENTITY };
+        let sides = if round % 3 == 0 { [ground, body] } else { [body, ground] };
+        let Some(depth) = depths::by_frame(Accuracy::F32, sides[0], sides[1]) else { continue };
+        Resting::seen(&depth, sides, None, |resting| {
+            let [mut found, mut due] = [Manifold::default(); 2];
+            let is_written = match *resting.corners() {
+                [p, q] => resting.write_edge([p, q], &depth, &mut found),
+                [p, q, r] => resting.write_triangle([p, q, r], &depth, &mut found),
+                _ => return,
+            };
+            if !is_written {
+                assert_eq!(found.points.len(), 0, "round {round}");
+                left += 1;
+                return;
+            }
+            resting.write_chosen(&depth, &mut due);
+            assert_eq!(found.points(), due.points(), "round {round}");
+            assert_eq!((found.normal, found.error_bound), (due.normal, due.error_bound));
+            counts[resting.corners().len()][found.points().len()] += 1;
+        });
+    }
+    let [_, _, [_, of_edge @ .., _], [_, of_triangle @ ..]] = counts;
+    assert!(of_edge.iter().all(|&count| count > 200), "{counts:?}");
+    assert!(of_triangle.iter().all(|&count| count > 5), "{counts:?}");
+    assert!(left > 20, "{left}");
+}
