@@ -187,10 +187,13 @@ pub(super) fn without_frame(
     scratch: &mut epa::Scratch,
 ) -> Verdict<Depth> {
     if mesh::have_parts(a.shape, b.shape) {
-        if accuracy == Accuracy::F32
-            && let Some(found) = few_parts::depth(a, b, scratch)
-                .or_else(|| open_triangles::depth_of_parts([a, b], scratch))
-        {
+        let is_f32 = accuracy == Accuracy::F32;
+        let of_few = match accuracy {
+            Accuracy::Certified => None,
+            _ => few_parts::depth(accuracy, [a, b], scratch),
+        };
+        let of_triangles = || open_triangles::depth_of_parts([a, b], scratch);
+        if let Some(found) = of_few.or_else(|| is_f32.then(of_triangles).flatten()) {
             return Verdict::Touching(found);
         }
         let pairs = mesh::touching_parts(a, b, &mut mesh::Scratch::default());

@@ -113,7 +113,7 @@ pub(crate) fn distance_at_once(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<D
             distance_of_mesh(a, b)
         }
         (Shape::Compound(_), _) | (_, Shape::Compound(_)) => {
-            few_parts::distance(a, b).map(DistanceResult::Apart)
+            few_parts::distance(Accuracy::F32, [a, b]).map(DistanceResult::Apart)
         }
         (Shape::HalfSpace(_), _) | (_, Shape::HalfSpace(_)) => {
             closed::level::distance(Accuracy::F32, a, b)
@@ -121,6 +121,12 @@ pub(crate) fn distance_at_once(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<D
         (Shape::Mesh(_), _) | (_, Shape::Mesh(_)) => distance_of_mesh(a, b),
         _ => closed::gap(Accuracy::F32, a, b)?.distance(),
     }
+}
+
+/// The distance of a compound of few parts and another shape at the accuracy of f64; `None` of others, and where that leaves
+/// open whether they touch.
+pub(crate) fn distance_of_few(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
+    few_parts::distance(Accuracy::F64, [a, b]).map(DistanceResult::Apart)
 }
 
 /// The same of a mesh and a sphere, another convex shape that is bounded, or a compound.

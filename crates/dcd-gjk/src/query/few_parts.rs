@@ -1,4 +1,4 @@
-//! Compounds of few parts at the accuracy of f32: each part as it was given, at a pose of its own.
+//! Compounds of few parts at the accuracies of f32 and f64: each part as it was given, at a pose of its own.
 //!
 //! A compound's answers are for its parts as it placed them, cuboids as hulls of eight points and cylinders by their
 //! support maps. As they were given they have closed forms; what the products of two poses lose is a length, by which the
@@ -37,6 +37,13 @@ const TURNED: f64 = 1e-12;
 /// What the height of a sphere's centre over such a slab may be off. Relative to the lengths. Derived: 2.1 times
 /// [`TURNED`], and 24u. Smaller: parts that are missed.
 const ABOVE: f64 = 4e-12;
+
+/// What a bound may be at the accuracy of f64, relative to the pair's size: what [`Accuracy::F64`] promises of a depth, and four times
+/// what it does of a distance. Decides who answers. Smaller: more pairs by their placed parts.
+const OF_SIZE: [f64; 2] = [256.0 * UNIT, 128.0 * UNIT];
+
+/// The same, relative to a depth or distance.
+const OF_LENGTH: f64 = 1e-10;
 
 /// Unit roundoff.
 const UNIT: f64 = f64::EPSILON / 2.0;
@@ -268,8 +275,24 @@ enum Known {
     Deep(Depth),
 }
 
+/// Whether the bound of a length is as good as required: how large a part of the pair's size it may be.
+fn is_good(
+    at: Accuracy,
+    (length, error): (f64, f64),
+    sides: [PosedShape<'_>; 2],
+    of_size: f64,
+) -> bool {
+    if at == Accuracy::F32 {
+        return true;
+    }
+    let reach = |side: PosedShape<'_>| Some(side.shape.reach()).filter(|reach| reach.is_finite());
+    let size = sides.into_iter().filter_map(reach).sum::<f64>() + length;
+    error <= (of_size * size).max(OF_LENGTH * length)
+}
+
 /// Whether two parts touch, and how deep; `None` where what they are moved by leaves it open.
 fn touch(
+    at: Accuracy,
     (a, b): (&Placed<'_>, &Placed<'_>),
     lost: f64,
     scratch: &mut epa::Scratch,
@@ -278,9 +301,10 @@ fn touch(
     let moved = moved_a + moved_b + lost;
     let deep = |found: Depth| {
         let error_bound = (found.error_bound + moved).next_up();
-        (found.depth > error_bound).then_some(Known::Deep(Depth { error_bound, ..found }))
+        let is_known = found.depth > error_bound
+            && is_good(at, (found.depth, error_bound), [in_a, in_b], OF_SIZE[0]);
+        is_known.then_some(Known::Deep(Depth { error_bound, ..found }))
     };
-    let at = Accuracy::F32;
     let found = if let Some(gap) = closed::gap(at, in_a, in_b) {
         if gap.is_beyond(moved) {
             return Some(Known::Apart);
@@ -349,7 +373,7 @@ impl<'a> Couple<'a> {
     /// is not known at once.
     pub(super) fn touching(
         &self,
-        wanted: Wanted,
+        (at, wanted): (Accuracy, Wanted),
         scratch: &mut epa::Scratch,
         mut found: impl FnMut([u32; 2], Depth),
     ) -> Option<()> {
@@ -360,7 +384,7 @@ impl<'a> Couple<'a> {
                 if gap > 0.0 || wanted == Wanted::Deepest && -gap < deepest {
                     continue;
                 }
-                if let Known::Deep(depth) = touch((part_a, part_b), self.lost, scratch)? {
+                if let Known::Deep(depth) = touch(at, (part_a, part_b), self.lost, scratch)? {
                     deepest = depth.depth.max(deepest);
                     found([j, k], depth);
                 }
@@ -391,8 +415,8 @@ pub(super) fn name(whole: PosedShape<'_>, part: u32, feature: Feature) -> Option
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
 pub(super) fn depth(
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
+    at: Accuracy,
+    [a, b]: [PosedShape<'_>; 2],
     scratch: &mut epa::Scratch,
 ) -> Option<Depth> {
     let (sides, swapped) = in_order(a, b)?;
@@ -400,7 +424,7 @@ pub(super) fn depth(
     let mut couple = Couple::default();
     couple.fill(&framed)?;
     let (mut deepest, mut upper): (Option<Depth>, f64) = (None, 0.0);
-    couple.touching(Wanted::Deepest, scratch, |_, depth| {
+    couple.touching((at, Wanted::Deepest), scratch, |_, depth| {
         upper = upper.max(depth.depth + depth.error_bound);
         if deepest.is_none_or(|most| depth.depth > most.depth) {
             deepest = Some(depth);
@@ -416,7 +440,7 @@ pub(super) fn depth(
 /// The distance of the nearest two parts; `None` where it is not known at once, or they touch.
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
-pub(super) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance> {
+pub(super) fn distance(at: Accuracy, [a, b]: [PosedShape<'_>; 2]) -> Option<Distance> {
     let (sides, swapped) = in_order(a, b)?;
     let framed = Framed::of(sides);
     let mut couple = Couple::default();
@@ -441,11 +465,13 @@ pub(super) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance>
         if nearest.is_some_and(|nearest| are_beyond([in_a, in_b], moved, &nearest)) {
             continue;
         }
-        let DistanceResult::Apart(found) = distance_at(Accuracy::F32, in_a, in_b).0 else {
+        let DistanceResult::Apart(found) = distance_at(at, in_a, in_b).0 else {
             return None;
         };
         let error_bound = (found.error_bound + moved).next_up();
-        if !(found.distance > error_bound) {
+        let is_known = found.distance > error_bound
+            && is_good(at, (found.distance, error_bound), [in_a, in_b], OF_SIZE[1]);
+        if !is_known {
             return None;
         }
         lower = lower.min(found.distance - error_bound);

@@ -1,4 +1,4 @@
-//! The manifolds of compounds of few parts at the accuracy of f32: from the deepest pair of parts on, each with the pairs
+//! The manifolds of compounds of few parts at the accuracies of f32 and f64: from the deepest pair of parts on, each with the pairs
 //! that meet along its normal, all as they were given.
 //!
 //! The same manifolds as those of the parts as they are placed, to within what few_parts moves these by, which is in
@@ -9,6 +9,7 @@ use super::feature::View;
 use super::parts::{ALIKE, NEAR};
 use super::{Feature, Manifold, ManifoldSet, Scratch, few_on_plane, turned_by, write_of_two};
 use crate::epa::Depth;
+use crate::query::Accuracy;
 use crate::query::few_parts::{self, Couple, Framed, Wanted};
 use crate::{PosedShape, mesh};
 use dcd_geom::glam::DVec3;
@@ -42,13 +43,14 @@ enum Member {
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
 pub(super) fn write(
+    at: Accuracy,
     [a, b]: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
     set: &mut ManifoldSet,
 ) -> bool {
     let is_swapped = mesh::is_swapped(a, b);
     let sides = if is_swapped { [b, a] } else { [a, b] };
-    let is_known = write_in_order(sides, scratch, set).is_some();
+    let is_known = write_in_order(at, sides, scratch, set).is_some();
     if is_known && is_swapped {
         set.mirror();
     }
@@ -56,11 +58,12 @@ pub(super) fn write(
 }
 
 fn write_in_order(
+    at: Accuracy,
     sides: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
     set: &mut ManifoldSet,
 ) -> Option<()> {
-    if few_on_plane::write(sides, set.only_mut()?).is_some() {
+    if at == Accuracy::F32 && few_on_plane::write(sides, set.only_mut()?).is_some() {
         return Some(());
     }
     let Scratch { depth: memory, corners, of_few: found, .. } = scratch;
@@ -68,7 +71,7 @@ fn write_in_order(
     let mut couple = Couple::default();
     couple.fill(&framed)?;
     found.clear();
-    couple.touching(Wanted::All, memory, |pair, depth| {
+    couple.touching((at, Wanted::All), memory, |pair, depth| {
         found.push(Found { pair, depth, is_open: true });
     })?;
     let mut patches = Patches { sides: framed.sides(), couple: &couple, found, corners };

@@ -230,8 +230,8 @@ impl MeasureAt for Manifolds {
         }
         let how = Measure { accuracy, options: self.options };
         match accuracy {
-            Accuracy::F32 => of_few_or_more(how, [a, b], scratch),
-            _ => parts::measure(how, [a, b], scratch),
+            Accuracy::F32 | Accuracy::F64 => of_few_or_more(how, [a, b], scratch),
+            Accuracy::Certified => parts::measure(how, [a, b], scratch),
         }
     }
 }
@@ -336,7 +336,7 @@ fn of_few_or_more(
 ) -> Verdict<ManifoldSet> {
     let mut answer = Verdict::Touching(ManifoldSet::empty_one());
     let is_written = match &mut answer {
-        Verdict::Touching(set) => few::write(sides, scratch, set),
+        Verdict::Touching(set) => few::write(how.accuracy, sides, scratch, set),
         _ => false,
     };
     if !is_written {
