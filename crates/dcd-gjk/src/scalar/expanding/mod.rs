@@ -13,6 +13,9 @@
 //! Works on support maps, so that cylinders, cones and foreign shapes need no sampling.
 
 mod confirm;
+mod least_reach;
+mod local_bound;
+mod rims;
 mod shallow;
 mod surface;
 mod swept;
@@ -128,18 +131,37 @@ pub(crate) fn depth_of_overlap(
                 [PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose)];
             let tolerance = tolerance.of_curved();
             curved::depth_of_centre(a, b, [tolerance.relative, tolerance.of_size]).or_else(|| {
-                of_supports::<Shape>(bodies, tolerance, curved::nearest_points(a, b), surface)
+                let points = curved::nearest_points(a, b);
+                of_supports(bodies, tolerance, points, (surface, Some(by_pieces)))
             })
         }
     }?;
     Some(if swapped { found.mirrored() } else { found })
 }
 
+/// What may prove a depth before the surface is fine, from the vertices of its nearest face and the best direction so far.
+type Finish<S> = fn(
+    &ExpandingSearch<'_, S>,
+    &Bounds<f64>,
+    &Surface,
+    (&[Vertex<f64>; 3], DVec3),
+) -> Option<Depth>;
+
+/// See [`ExpandingSearch::by_pieces`].
+fn by_pieces(
+    search: &ExpandingSearch<'_, Shape>,
+    bounds: &Bounds<f64>,
+    surface: &Surface,
+    from: (&[Vertex<f64>; 3], DVec3),
+) -> Option<Depth> {
+    search.by_pieces(bounds, surface, from)
+}
+
 fn of_supports<S: InBlocks>(
     bodies: [PosedSupport<'_, S>; 2],
     tolerance: Tolerance,
     points: Option<[DVec3; 2]>,
-    surface: &mut Surface,
+    (surface, finish): (&mut Surface, Option<Finish<S>>),
 ) -> Option<Depth> {
     let [a, b] = bodies;
     let difference = Difference::new(a, b)?;
@@ -156,7 +178,7 @@ fn of_supports<S: InBlocks>(
             }
         }
     }
-    search.of_overlapping_cores(&bounds, surface)
+    search.of_overlapping_cores(&bounds, surface, finish)
 }
 
 /// [`depth_of_overlap`] of polytopes in the order that they are given in: where f64 leaves too much open, in double-double.
@@ -165,7 +187,7 @@ pub(crate) fn depth_of_polytopes(
     accuracy: Accuracy,
     surface: &mut Surface,
 ) -> Option<Depth> {
-    let found = of_supports::<Polytope>(bodies, Tolerance::of(accuracy), None, surface);
+    let found = of_supports(bodies, Tolerance::of(accuracy), None, (&mut *surface, None));
     let is_sharp = bodies.iter().all(|body| body.map.swept_radius() == 0.0);
     if accuracy != Accuracy::Certified || !is_sharp {
         return found;
@@ -194,7 +216,13 @@ impl<S: InBlocks> ExpandingSearch<'_, S> {
         self.depth_of(depth, error, near.points(a, b), -near.direction)
     }
 
-    fn of_overlapping_cores(&self, bounds: &Bounds<f64>, surface: &mut Surface) -> Option<Depth> {
+    fn of_overlapping_cores(
+        &self,
+        bounds: &Bounds<f64>,
+        surface: &mut Surface,
+        finish: Option<Finish<S>>,
+    ) -> Option<Depth> {
+        let mut next_try = local_bound::FIRST;
         surface.clear();
         surface.start(self.tetrahedron()?).or_else(|| surface.forget())?;
         let (mut reach, mut upper, mut normal) = (f64::MAX, f64::MAX, DVec3::ZERO);
@@ -211,6 +239,15 @@ impl<S: InBlocks> ExpandingSearch<'_, S> {
             // Done, or the vertex is nothing new.
             if self.tolerance.admits(reach - distance, reach) || surface.holds(&vertex) {
                 break;
+            }
+            if let Some(finish) = finish
+                && reach - distance <= next_try * reach
+            {
+                let from = (&surface.vertices(nearest), normal);
+                if let Some(found) = finish(self, bounds, surface, from) {
+                    return Some(found);
+                }
+                next_try *= local_bound::NEXT;
             }
             surface.insert(vertex, nearest).or_else(|| surface.forget())?;
         }

@@ -236,6 +236,31 @@ impl Surface {
         if least < f64::INFINITY { least.max(0.0) } else { 0.0 }
     }
 
+    /// How far from a unit direction others are along which the surface may not reach so far, as a sum of two chords of the unit
+    /// sphere: 0 where it does along all. `None` where the origin may be outside.
+    ///
+    /// Along such a direction a ray from the origin leaves by a triangle, before that reach: the plane of the triangle is nearer,
+    /// and the direction no farther from its normal than where the sphere of that radius meets the plane.
+    pub(super) fn beyond(&self, reach: f64, direction: DVec3) -> Option<f64> {
+        let mut most = 0.0f64;
+        for Face { vertices, normal, .. } in self.alive() {
+            let corners = self.corners(vertices);
+            if !is_inside(corners) {
+                return None;
+            }
+            let cosine = clearance(*normal, corners) / reach;
+            if cosine < 1.0 {
+                most = most.max(normal.distance(direction) + (2.0 * (1.0 - cosine)).sqrt());
+            }
+        }
+        Some(most)
+    }
+
+    /// The corners of a face.
+    pub(super) fn vertices(&self, face: u32) -> [Vertex<f64>; 3] {
+        self.faces[face as usize].vertices.map(|k| self.vertices[k as usize])
+    }
+
     /// Each face.
     pub(super) fn faces(&self) -> impl Iterator<Item = NearFace> + Clone {
         self.alive().map(|face| NearFace {

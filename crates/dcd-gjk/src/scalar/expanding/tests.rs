@@ -1,6 +1,8 @@
 //! The search beside the exact one, and its bound where that is hard to get.
 
-use super::{Surface, depth_of_overlap};
+use super::{ExpandingSearch, Surface, Tolerance, depth_of_overlap};
+use crate::Difference;
+use crate::certificate::Bounds;
 use crate::query::Accuracy;
 use crate::{PosedShape, PosedSupport, Verdict, certified, epa};
 use dcd_geom::glam::{DQuat, DVec3};
@@ -181,4 +183,89 @@ fn two_faces_equally_deep_have_witnesses_along_one_of_them() {
             );
         }
     }
+}
+
+/// A cylinder or cone, and another shape that is no sphere, thin or flat now and then.
+fn curved_pair(draw: &mut Draw, k: usize) -> [Shape; 2] {
+    let curved = |draw: &mut Draw| {
+        let size = |draw: &mut Draw| [1.0, 1.0, 1e-3, 0.05][k / 3 % 4] * (0.1 + 0.6 * draw.unit());
+        let (height, radius) = match k % 2 {
+            0 => (size(draw), 0.1 + 0.6 * draw.unit()),
+            _ => (0.1 + 0.6 * draw.unit(), size(draw)),
+        };
+        match draw.unit() < 0.5 {
+            true => Shape::cylinder(height, radius).unwrap(),
+            false => Shape::cone(height, radius).unwrap(),
+        }
+    };
+    let first = curved(draw);
+    let other = match k % 5 {
+        0 | 1 => curved(draw),
+        2 => Shape::triangle([(); 3].map(|()| draw.vector())).unwrap(),
+        3 => Shape::capsule(0.1 + 0.4 * draw.unit(), 0.2 * draw.unit()).unwrap(),
+        _ => draw.polytope(),
+    };
+    let first = if k % 7 == 0 { first.swept(0.1 * draw.unit()).unwrap() } else { first };
+    if draw.unit() < 0.5 { [first, other] } else { [other, first] }
+}
+
+/// Turned any way, alike, about each other's axes or square to them, or nearly so; the place near or on an axis now and then.
+fn poses(draw: &mut Draw, k: usize) -> [Pose; 2] {
+    let turn = DQuat::from_scaled_axis(draw.vector() * 3.0);
+    let other = match k / 2 % 5 {
+        0 => turn,
+        1 => turn * DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
+        2 => turn * DQuat::from_scaled_axis(draw.vector() * 10f64.powi(-(k as i32 / 10 % 12))),
+        _ => DQuat::from_scaled_axis(draw.vector() * 3.0),
+    };
+    let mut place = draw.vector() * 0.6;
+    if k % 11 == 0 {
+        place = turn * (DVec3::Z * place.z);
+    }
+    [Pose::new(turn, DVec3::ZERO).unwrap(), Pose::new(other.normalize(), place).unwrap()]
+}
+
+#[test]
+fn pieces_prove_the_depth_that_a_fine_surface_has() {
+    let seed = std::env::var("DCD_SEED").map_or(9, |seed| seed.parse().expect("a seed"));
+    let (mut draw, mut surface) = (Draw(seed), Surface::default());
+    let (mut found_by_pieces, mut compared, mut widest) = (0, 0, 0.0f64);
+    for k in 0..6000 {
+        let [shape_a, shape_b] = curved_pair(&mut draw, k);
+        let [pose_a, pose_b] = poses(&mut draw, k);
+        let a = PosedShape { shape: &shape_a, pose: &pose_a };
+        let b = PosedShape { shape: &shape_b, pose: &pose_b };
+        if certified::overlap_of(a, b).0 != Verdict::Touching(()) {
+            continue;
+        }
+        let bodies = [a, b].map(|side| PosedSupport::shape(side.shape, side.pose));
+        let tolerance = Tolerance::of(Accuracy::F64).of_curved();
+        let Some(difference) = Difference::new(bodies[0], bodies[1]) else { continue };
+        let scale = difference.scale();
+        let search = ExpandingSearch { difference, bodies, tolerance };
+        let bounds = Bounds::of(&search.difference);
+        let found = search.of_overlapping_cores(&bounds, &mut surface, Some(super::by_pieces));
+        let fine = search.of_overlapping_cores(&bounds, &mut surface, None);
+        let (Some(found), Some(fine)) = (found, fine) else { continue };
+        compared += 1;
+        found_by_pieces += usize::from(found != fine);
+        let off = (found.depth - fine.depth).abs();
+        assert!(off <= found.error_bound + fine.error_bound, "{k}: {found:?} {fine:?}");
+        if found != fine {
+            widest = widest.max(found.error_bound * scale);
+            let apart = found.point_a - found.point_b - found.normal * found.depth;
+            assert!(apart.length() * scale < 1e-9, "{k}: {found:?}");
+            for (side, point, outward) in
+                [(a, found.point_a, found.normal), (b, found.point_b, -found.normal)]
+            {
+                let local = side.pose.rotation().transpose() * outward;
+                let support = SupportMap::<f64>::support(side.shape, local).point;
+                let most = outward.dot(side.pose.apply(support)) + side.shape.radius();
+                let off = (outward.dot(point) - most) * scale;
+                assert!(off.abs() < 1e-9, "{k}: {off:e} {found:?} {shape_a:?} {shape_b:?}");
+            }
+        }
+    }
+    assert!(found_by_pieces * 4 > compared && compared > 1000, "{found_by_pieces} of {compared}");
+    assert!(widest < 1e-12, "{widest:e}");
 }
