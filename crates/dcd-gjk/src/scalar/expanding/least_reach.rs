@@ -4,7 +4,7 @@
 //! directions their largest is least where a combination of the g_j of one piece, or of two that reach as far, is along n. What
 //! comes out is a proposal: [`local_bound`](super::local_bound) proves it.
 
-use super::rims::{Piece, Seen};
+use super::pieces::{Piece, Seen};
 use dcd_geom::glam::{DMat2, DVec2, DVec3};
 use dcd_simd::ArrayVec;
 
@@ -18,7 +18,7 @@ const STEPS: usize = 10;
 /// farther one piece reaches than the other. Larger: the same. Smaller: steps for rounding.
 const SETTLED: f64 = 1e-12;
 
-/// The slope that is good enough where a step more does not lessen it: a rim that is seen nearly along its axis turns what rounding
+/// The slope that is good enough where a step more does not lessen it: a disc that is seen nearly along its axis turns what rounding
 /// does to a direction into a million times as much. Larger: witnesses beside each other.
 const HARDLY: f64 = 1e-10;
 
@@ -95,9 +95,11 @@ impl Flat {
         let mut second = DMat2::ZERO;
         for bend in &seen.bends {
             if bend.length > 0.0 {
-                let across = DVec2::new(bend.across.dot(e), bend.across.dot(f));
-                let scaled = across / bend.length;
-                second += DMat2::from_cols(across * scaled.x, across * scaled.y);
+                for across in bend.across {
+                    let across = DVec2::new(across.dot(e), across.dot(f));
+                    let scaled = across / bend.length;
+                    second += DMat2::from_cols(across * scaled.x, across * scaled.y);
+                }
             }
         }
         let first = DVec2::new(seen.point.dot(e), seen.point.dot(f));

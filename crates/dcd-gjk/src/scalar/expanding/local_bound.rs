@@ -1,11 +1,11 @@
-//! A lower bound of how deep cores overlap of which one is a cylinder or a cone, where Newton's method has found a depth
+//! A lower bound of how deep cores overlap of which one is a cylinder, a cone or an ellipsoid, where Newton's method has found a depth
 //! (docs/numerics/proofs.md, "Depth of curved cores").
 //!
 //! A surface of triangles is near a curved one only where it is fine. Here it has to be so only far from the depth's normal: near
 //! it the pieces of A − B themselves reach far enough.
 
 use super::least_reach::{self, Least};
-use super::rims::{Piece, Seen};
+use super::pieces::{Piece, Seen};
 use super::surface::Surface;
 use super::{ExpandingSearch, U};
 use crate::Vertex;
@@ -154,9 +154,11 @@ impl Near {
         let mut second = Symmetric::scalar(0.0);
         for bend in &seen.bends {
             if bend.length > 0.0 {
-                let across = DVec2::new(bend.across.dot(e), bend.across.dot(f));
                 let most = bend.length + bend.radius * tangent;
-                second = second.plus(Symmetric::square(across).times(1.0 / most));
+                for across in bend.across {
+                    let across = DVec2::new(across.dot(e), across.dot(f));
+                    second = second.plus(Symmetric::square(across).times(1.0 / most));
+                }
             }
         }
         Self { first: DVec2::new(seen.point.dot(e), seen.point.dot(f)), second }

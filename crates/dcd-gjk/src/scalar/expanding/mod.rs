@@ -10,12 +10,13 @@
 //! are measured again in double-double. A search that ends without a good bound returns nothing, and the caller runs the
 //! exact one.
 //!
-//! Works on support maps, so that cylinders, cones and foreign shapes need no sampling.
+//! Works on support maps, so that cylinders, cones and foreign shapes need no sampling. Where a core is a cylinder, a cone or an
+//! ellipsoid, Newton's method ends the search (`least_reach`), and its end is proved by [`local_bound`].
 
 mod confirm;
 mod least_reach;
 mod local_bound;
-mod rims;
+mod pieces;
 mod shallow;
 mod surface;
 mod swept;

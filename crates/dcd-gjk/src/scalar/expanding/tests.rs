@@ -185,7 +185,7 @@ fn two_faces_equally_deep_have_witnesses_along_one_of_them() {
     }
 }
 
-/// A cylinder or cone, and another shape that is no sphere, thin or flat now and then.
+/// A cylinder, cone or ellipsoid, and another shape that is no sphere, thin or flat now and then.
 fn curved_pair(draw: &mut Draw, k: usize) -> [Shape; 2] {
     let curved = |draw: &mut Draw| {
         let size = |draw: &mut Draw| [1.0, 1.0, 1e-3, 0.05][k / 3 % 4] * (0.1 + 0.6 * draw.unit());
@@ -193,9 +193,13 @@ fn curved_pair(draw: &mut Draw, k: usize) -> [Shape; 2] {
             0 => (size(draw), 0.1 + 0.6 * draw.unit()),
             _ => (0.1 + 0.6 * draw.unit(), size(draw)),
         };
-        match draw.unit() < 0.5 {
-            true => Shape::cylinder(height, radius).unwrap(),
-            false => Shape::cone(height, radius).unwrap(),
+        match (draw.unit() * 3.0) as usize {
+            0 => Shape::cylinder(height, radius).unwrap(),
+            1 => Shape::cone(height, radius).unwrap(),
+            _ => {
+                let third = height + (radius - height) * draw.unit();
+                Shape::ellipsoid(DVec3::new(radius, third, height)).unwrap()
+            }
         }
     };
     let first = curved(draw);
