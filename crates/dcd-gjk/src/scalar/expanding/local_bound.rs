@@ -60,21 +60,14 @@ impl ExpandingSearch<'_, Shape> {
         (nearest, direction): (&[Vertex<f64>; 3], DVec3),
     ) -> Option<Depth> {
         let (least, reach, upper) = self.least_reach(bounds, nearest, direction)?;
-        let inner = local_bound(&least, surface)?;
-        let lower = bounds.least_reach(inner);
-        if bounds.radius() > 0.0 && !(lower > 0.0) {
-            return None;
-        }
-        let depth = reach.max(0.0) + bounds.radius();
-        let error =
-            (upper - reach.max(0.0)).max(reach - lower) + (bounds.swept_upper() - bounds.radius());
+        let lower = bounds.least_reach(local_bound(&least, surface)?);
         let [a, b] = self.bodies;
         let at = |side: usize| {
             let [p, q] = &least.seen;
             p.witnesses[side] * least.weights[0] + q.witnesses[side] * least.weights[1]
         };
-        let points = [a.pose.apply(at(0)), b.pose.apply(at(1))];
-        self.depth_of(depth, error, points, least.normal)
+        let points = || [a.pose.apply(at(0)), b.pose.apply(at(1))];
+        self.depth_between(bounds, [lower, reach, upper], points, least.normal)
     }
 
     /// Where the difference reaches least, as far as its pieces there are known; how far it does, and at most.

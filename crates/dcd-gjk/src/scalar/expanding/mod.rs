@@ -253,6 +253,22 @@ impl<S: InBlocks> ExpandingSearch<'_, S> {
             surface.insert(vertex, nearest).or_else(|| surface.forget())?;
         }
         let lower = bounds.least_reach(surface.inner_radius());
+        self.depth_between(
+            bounds,
+            [lower, reach, upper],
+            || surface.witnesses(normal, self.bodies),
+            normal,
+        )
+    }
+
+    /// The depth of cores that reach at least so far along every direction, and along one so far, and at most so far.
+    fn depth_between(
+        &self,
+        bounds: &Bounds<f64>,
+        [lower, reach, upper]: [f64; 3],
+        points: impl FnOnce() -> [DVec3; 2],
+        direction: DVec3,
+    ) -> Option<Depth> {
         // Of cores that may be apart the radii overlap less than their sum.
         if bounds.radius() > 0.0 && !(lower > 0.0) {
             return None;
@@ -260,7 +276,7 @@ impl<S: InBlocks> ExpandingSearch<'_, S> {
         let depth = reach.max(0.0) + bounds.radius();
         let error =
             (upper - reach.max(0.0)).max(reach - lower) + (bounds.swept_upper() - bounds.radius());
-        self.depth_of(depth, error, surface.witnesses(normal, self.bodies), normal)
+        self.depth_of(depth, error, points(), direction)
     }
 
     /// In metres, if the bound is as good as required. `points` are of the cores.
