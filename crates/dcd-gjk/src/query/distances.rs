@@ -103,35 +103,37 @@ impl MeasureAt for Distances {
     }
 }
 
-/// The distance of a sphere, a half-space, a mesh or a compound of few parts and another, of a capsule and a capsule or cuboid, at the accuracy of f32; `None` of
-/// others, and where that leaves open whether they touch. What a pose is off a rotation by is more than distances in f64
-/// lose otherwise.
+/// The distance of a sphere, a half-space or a compound of few parts and another, at the accuracies of f32 and f64; at that of f32 also
+/// of a mesh and another, and of a capsule and a capsule or cuboid. `None` of others, and where that leaves open whether they
+/// touch.
 #[inline]
-pub(crate) fn distance_at_once(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
+pub(crate) fn distance_at_once(
+    at: Accuracy,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+) -> Option<DistanceResult> {
+    if at == Accuracy::Certified {
+        return None;
+    }
     match (a.shape, b.shape) {
         (Shape::Compound(_), Shape::Mesh(_)) | (Shape::Mesh(_), Shape::Compound(_)) => {
-            distance_of_mesh(a, b)
+            distance_of_mesh(at, a, b)
         }
         (Shape::Compound(_), _) | (_, Shape::Compound(_)) => {
-            few_parts::distance(Accuracy::F32, [a, b]).map(DistanceResult::Apart)
+            few_parts::distance(at, [a, b]).map(DistanceResult::Apart)
         }
-        (Shape::HalfSpace(_), _) | (_, Shape::HalfSpace(_)) => {
-            closed::level::distance(Accuracy::F32, a, b)
-        }
-        (Shape::Mesh(_), _) | (_, Shape::Mesh(_)) => distance_of_mesh(a, b),
-        _ => closed::gap(Accuracy::F32, a, b)?.distance(),
+        (Shape::HalfSpace(_), _) | (_, Shape::HalfSpace(_)) => closed::level::distance(at, a, b),
+        (Shape::Mesh(_), _) | (_, Shape::Mesh(_)) => distance_of_mesh(at, a, b),
+        _ => closed::gap(at, a, b)?.distance(),
     }
 }
 
-/// The distance of a compound of few parts and another shape at the accuracy of f64; `None` of others, and where that leaves
-/// open whether they touch.
-pub(crate) fn distance_of_few(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
-    few_parts::distance(Accuracy::F64, [a, b]).map(DistanceResult::Apart)
-}
-
-/// The same of a mesh and a sphere, another convex shape that is bounded, or a compound.
+/// The same of a mesh and a sphere, another convex shape that is bounded, or a compound, at the accuracy of f32.
 #[inline(never)]
-fn distance_of_mesh(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
+fn distance_of_mesh(at: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
+    if at != Accuracy::F32 {
+        return None;
+    }
     closed::centred::distance(a, b).or_else(|| mesh::distance_in_f32(a, b))
 }
 

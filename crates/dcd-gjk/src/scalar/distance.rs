@@ -19,7 +19,7 @@ use crate::certificate::Bounds;
 use crate::closed::{self, half_space};
 use crate::exact::{self, Exact};
 use crate::gjk::Simplex;
-use crate::query::{Accuracy, distance_at_once, distance_of_few};
+use crate::query::{Accuracy, distance_at_once};
 use crate::supports::InBlocks;
 use crate::{
     Difference, Method, PosedShape, PosedSupport, Reason, Verdict, Vertex, certified, mesh, order,
@@ -192,12 +192,7 @@ pub fn distance_at(
     a: PosedShape<'_>,
     b: PosedShape<'_>,
 ) -> (DistanceResult, Method) {
-    let at_once = match accuracy {
-        Accuracy::F32 => distance_at_once(a, b),
-        Accuracy::F64 => distance_of_few(a, b),
-        Accuracy::Certified => None,
-    };
-    if let Some(found) = at_once {
+    if let Some(found) = distance_at_once(accuracy, a, b) {
         return (found, Method::F64);
     }
     let is_bounded = a.shape.is_bounded() && b.shape.is_bounded();

@@ -206,7 +206,7 @@ impl SimdDistances {
 
     /// A pair that is apart of which one evaluation in f64 says how far.
     fn by_formula(&self, [a, b]: [PosedShape<'_>; 2]) -> Verdict<Option<Distance>> {
-        match distance_at_once(a, b) {
+        match distance_at_once(self.accuracy, a, b) {
             Some(found) => within_margin(found, self.margin, a, b),
             None => self.alone(a, b).0,
         }

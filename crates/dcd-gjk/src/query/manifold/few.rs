@@ -63,7 +63,7 @@ fn write_in_order(
     scratch: &mut Scratch,
     set: &mut ManifoldSet,
 ) -> Option<()> {
-    if at == Accuracy::F32 && few_on_plane::write(sides, set.only_mut()?).is_some() {
+    if few_on_plane::write(at, sides, set.only_mut()?).is_some() {
         return Some(());
     }
     let Scratch { depth: memory, corners, of_few: found, .. } = scratch;

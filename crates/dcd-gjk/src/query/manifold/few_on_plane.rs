@@ -1,5 +1,5 @@
-//! A compound of few parts on a half-space at the accuracy of f32: what each part shows along the normal, as far as it is below
-//! the plane, in the compound's frame.
+//! A compound of few parts on a half-space at the accuracies of f32 and f64: what each part shows along the normal, as far as it
+//! is below the plane, in the compound's frame.
 //!
 //! All parts meet the plane along one normal: there is one manifold, and no part is compared with another.
 
@@ -60,13 +60,13 @@ struct Below {
 
 /// Writes the manifold of a compound and a half-space, in that order, over an empty one; `None`, and nothing written, of other
 /// shapes, and where it is not known at once which parts touch.
-pub(super) fn write([a, b]: [PosedShape<'_>; 2], found: &mut Manifold) -> Option<()> {
+pub(super) fn write(at: Accuracy, [a, b]: [PosedShape<'_>; 2], found: &mut Manifold) -> Option<()> {
     let (Shape::Compound(compound), Shape::HalfSpace(_)) = (a.shape, b.shape) else { return None };
     let parts = compound.parts();
     if parts.len() > few_parts::MOST {
         return None;
     }
-    let plane = PlaneInFrame::of(Accuracy::F32, b, a.pose)?;
+    let plane = PlaneInFrame::of(at, b, a.pose)?;
     let [inward, normal] = plane.inward();
     let mut below = Below::new(inward);
     for (number, part) in (0..).zip(parts) {

@@ -1,4 +1,4 @@
-//! A mesh on a half-space at the accuracy of f32: its vertices below the plane, each once.
+//! A mesh on a half-space at the accuracies of f32 and f64: its vertices below the plane, each once.
 //!
 //! Every triangle that is below meets the plane along one normal: there is one manifold, and no pair of parts is looked
 //! at.
@@ -51,11 +51,15 @@ pub(super) struct Scratch {
 
 /// The manifold of a mesh and a half-space, in that order; `None` of others, and where f64 leaves open whether they
 /// touch.
-pub(super) fn measure(sides: [PosedShape<'_>; 2], scratch: &mut Scratch) -> Option<ManifoldSet> {
+pub(super) fn measure(
+    at: Accuracy,
+    sides: [PosedShape<'_>; 2],
+    scratch: &mut Scratch,
+) -> Option<ManifoldSet> {
     let (Shape::Mesh(mesh), Shape::HalfSpace(_)) = (sides[0].shape, sides[1].shape) else {
         return None;
     };
-    let depth = depths::by_frame(Accuracy::F32, sides[0], sides[1])?;
+    let depth = depths::by_frame(at, sides[0], sides[1])?;
     let resting = Resting::of(mesh, sides, &depth);
     scratch.list(&resting)?;
     let below = &mut scratch.below;

@@ -84,9 +84,9 @@ fn write_in_order(
     (scratch, set): (&mut Scratch, &mut ManifoldSet),
 ) -> Result<(), Reason> {
     let Scratch { depth: memory, corners, parts, on_mesh, on_plane, .. } = scratch;
-    if how.accuracy == Accuracy::F32
+    if how.accuracy != Accuracy::Certified
         && how.options == ManifoldOptions::default()
-        && let Some(found) = mesh_on_plane::measure(sides, on_plane)
+        && let Some(found) = mesh_on_plane::measure(how.accuracy, sides, on_plane)
     {
         *set = found;
         return Ok(());

@@ -67,7 +67,7 @@ fn few_parts_rest_on_a_plane_where_the_placed_parts_do() {
         let (shapes, poses) = pair(&mut draw, k);
         let sides = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
         let mut found = Manifold::default();
-        if write(sides, &mut found).is_none() {
+        if write(Accuracy::F32, sides, &mut found).is_none() {
             assert!(found.points().is_empty(), "{k}");
             continue;
         }

@@ -131,7 +131,7 @@ fn a_mesh_rests_on_a_half_space_on_the_deepest_and_the_farthest_of_its_vertices(
         let shape = Shape::from(mesh.clone());
         let a = PosedShape { shape: &shape, pose: &poses[0] };
         let b = PosedShape { shape: &half_space, pose: &poses[1] };
-        let Some(found) = super::measure([a, b], &mut scratch) else { continue };
+        let Some(found) = super::measure(Accuracy::F32, [a, b], &mut scratch) else { continue };
         let what = format!("{k}");
         assert_eq!(manifolds(Accuracy::F32, a, b).as_ref(), Some(&found), "{what}");
         let back = manifolds(Accuracy::F32, b, a).map(mirrored);
