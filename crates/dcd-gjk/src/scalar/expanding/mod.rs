@@ -133,7 +133,12 @@ pub(crate) fn depth_of_overlap(
             let tolerance = tolerance.of_curved();
             curved::depth_of_centre(a, b, [tolerance.relative, tolerance.of_size]).or_else(|| {
                 let points = curved::nearest_points(a, b);
-                of_supports(bodies, tolerance, points, (surface, Some(by_pieces)))
+                // For f32's few digits the points of the surface cost no more.
+                let finish: Option<Finish<Shape>> = match accuracy {
+                    Accuracy::F32 => None,
+                    _ => Some(by_pieces),
+                };
+                of_supports(bodies, tolerance, points, (surface, finish))
             })
         }
     }?;
