@@ -192,3 +192,62 @@ fn round_shapes_against_triangles_are_as_far_and_as_deep_as_against_their_hulls(
     }
     assert!(apart > 100 && touching > 100, "{apart} {touching}");
 }
+
+/// A cone without height or radius is a point or a needle on its axis, and its rounded form a sphere or a capsule; also of sizes
+/// whose products leave the range of f64.
+#[test]
+fn points_and_needles_of_any_size_are_as_far_and_as_deep_as_spheres_and_capsules() {
+    let [mut apart, mut touching] = [0; 2];
+    for size in [1.0, 1e3, 1e-100, 1e-163, 1e-195, 1e150] {
+        let mut draw = Draw(46);
+        for k in 0..300 {
+            let height = if k % 2 == 0 { 0.0 } else { 0.3 * size };
+            let swept = if k % 3 == 0 { 0.0 } else { 0.4 * size };
+            let needle = match k / 2 % 2 {
+                0 => Shape::cone(height, 0.0),
+                _ => Shape::cylinder(height, 0.0),
+            };
+            let needle = needle.unwrap().rounded(swept).unwrap();
+            let capsule = Shape::capsule(height, swept).unwrap();
+            // On its axis, now and then.
+            let place = match k % 5 {
+                0 => DVec3::Z * draw.unit(),
+                _ => draw.vector(),
+            };
+            let other = round(&mut draw, size);
+            let pose = Pose::new(draw.rotation(), place * size * 1.5).unwrap();
+            let b = PosedShape { shape: &other, pose: &pose };
+            let [a, exact] =
+                [&needle, &capsule].map(|shape| PosedShape { shape, pose: &Pose::IDENTITY });
+            match certified::overlap_of(exact, b).0 {
+                Verdict::Apart => {
+                    let DistanceResult::Apart(truth) = distance::distance(exact, b).0 else {
+                        continue;
+                    };
+                    for accuracy in ACCURACIES {
+                        let found = distance::distance_at(accuracy, a, b).0;
+                        let DistanceResult::Apart(found) = found else { continue };
+                        let off = (found.distance - truth.distance).abs();
+                        let most = found.error_bound + truth.error_bound;
+                        assert!(off <= most, "{size:e} {k}: {found:?} {truth:?}");
+                        apart += 1;
+                    }
+                }
+                Verdict::Touching(()) => {
+                    let Verdict::Touching(truth) = depth(Accuracy::Certified, exact, b) else {
+                        continue;
+                    };
+                    for accuracy in ACCURACIES {
+                        let Verdict::Touching(found) = depth(accuracy, a, b) else { continue };
+                        let off = (found.depth - truth.depth).abs();
+                        let most = found.error_bound + truth.error_bound;
+                        assert!(off <= most, "{size:e} {k}: {found:?} {truth:?}");
+                        touching += 1;
+                    }
+                }
+                Verdict::Undecided(_) => {}
+            }
+        }
+    }
+    assert!(apart > 1000 && touching > 500, "{apart} {touching}");
+}

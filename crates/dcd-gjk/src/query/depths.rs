@@ -210,10 +210,12 @@ pub(super) fn without_frame(
     {
         return Verdict::Touching(found);
     }
-    if let Some(found) = expanding::depth_of_overlap(a, b, accuracy, &mut scratch.surface)
-        // What the searches below promise.
-        && (accuracy != Accuracy::Certified || found.error_bound <= CERTIFIED * found.depth)
-    {
+    let grown = expanding::depth_of_overlap(a, b, accuracy, &mut scratch.surface);
+    // What the searches below promise.
+    let is_good = |found: &Depth| {
+        accuracy != Accuracy::Certified || found.error_bound <= CERTIFIED * found.depth
+    };
+    if let Some(found) = grown.filter(is_good) {
         return Verdict::Touching(found);
     }
     match (a.shape, b.shape) {
@@ -226,7 +228,11 @@ pub(super) fn without_frame(
         _ if !(a.shape.reach().is_finite() && b.shape.reach().is_finite()) => {
             Verdict::Undecided(Reason::Range)
         }
-        _ => Verdict::Touching(sampled::depth_of_overlap(a, b, scratch)),
+        _ => {
+            let sampled = sampled::depth_of_overlap(a, b, scratch);
+            let is_narrower = |grown: &Depth| grown.error_bound <= sampled.error_bound;
+            Verdict::Touching(grown.filter(is_narrower).unwrap_or(sampled))
+        }
     }
 }
 

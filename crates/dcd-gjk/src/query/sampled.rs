@@ -22,6 +22,10 @@ const NARROWING: f64 = 1.0 / 8.0;
 /// How often the ring on the way downhill is moved or halved; the last is as narrow as rounding.
 const STEPS: usize = 64;
 
+/// The cosine from which on two directions are so nearly one that the witnesses of either will do for both. Larger: witnesses of
+/// hulls as they were first. Smaller: those of another direction that is as deep.
+const ALIKE: f64 = 1.0 - 1e-6;
+
 /// The relative gap at which the bounds have met: what is promised of a depth.
 const GAP: f64 = 1e-9;
 
@@ -62,6 +66,9 @@ impl Couple<'_> {
             let (depth, normal) = self.downhill(found.normal);
             if depth < best.depth {
                 best = Depth { depth, normal, ..found };
+            } else if found.normal.dot(best.normal) > ALIKE {
+                // Those of finer hulls are nearer to the surfaces.
+                (best.point_a, best.point_b) = (found.point_a, found.point_b);
             }
             width *= NARROWING;
             let mut grew = false;

@@ -5,7 +5,7 @@
 //! distance never falls, so that its root is where the two are nearest. What is proposed is proved by the
 //! pair's own bounds, as any two points are. Inside, the three half-planes are how deep a point is.
 
-use super::UNIT;
+use super::{SIZES, UNIT};
 use crate::epa::Depth;
 use crate::{PosedShape, PosedSupport};
 use dcd_geom::glam::{DVec2, DVec3};
@@ -52,6 +52,13 @@ impl<'a> Couple<'a> {
         is_round.then_some(Self { round, curved, at, swapped })
     }
 
+    /// At least the length of every vector from the one core to the other: metres.
+    fn size(&self) -> f64 {
+        let delta = self.round.pose.translation() - self.at.pose.translation();
+        let reach = self.round.reach + self.at.shape.reach();
+        reach * (1.0 + self.at.pose.deviation()) + delta.norm1()
+    }
+
     fn seen(&self) -> Option<Seen<'a>> {
         let [from, to] = match *self.round.map.vertices() {
             [from] => [from; 2],
@@ -70,6 +77,9 @@ impl<'a> Couple<'a> {
 /// kinds, or the cores meet.
 pub(crate) fn nearest_points(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<[DVec3; 2]> {
     let couple = Couple::of(a, b)?;
+    if !SIZES.contains(&couple.size()) {
+        return None;
+    }
     let seen = couple.seen()?;
     let t = seen.nearest_place();
     let place = seen.from + seen.along * t;
@@ -96,17 +106,17 @@ pub(crate) fn depth_of_centre(
     if couple.round.map.kind() != Kind::Point {
         return None;
     }
+    let size = couple.size();
     let Couple { round, curved, at, swapped } = couple;
     let point = couple.seen()?.from;
     let stretch = at.pose.deviation();
-    let delta = round.pose.translation() - at.pose.translation();
-    let size = (round.reach + at.shape.reach()) * (1.0 + stretch) + delta.norm1();
     let (inside, outward) = way_out(curved, point);
     let radius = curved.swept_radius() + round.map.swept_radius();
     let depth = inside + radius;
     // A pose that is no rotation stretches the profile by half its deviation, and what is seen of it by all.
     let error = INSIDE * UNIT * size + 2.0 * stretch * at.shape.reach() + 8.0 * UNIT * depth;
-    if !(inside > error && error <= (of_size * size).max(relative * depth)) {
+    let is_good = inside > error && error <= (of_size * size).max(relative * depth);
+    if !(is_good && SIZES.contains(&size)) {
         return None;
     }
     let normal = (*at.pose.rotation() * outward).normalize();
@@ -183,8 +193,8 @@ fn nearest(curved: &Curved, point: DVec3) -> DVec3 {
             let from_rim = DVec2::new(across - low_radius, point.z - low);
             let is_outside = side.perp_dot(from_rim) < 0.0;
             if !is_outside {
-                // Below the base the side's line goes on beyond the rim.
-                (across.min(low_radius), point.z.max(low))
+                // Below the base the side's line goes on beyond the rim; that of a needle, or of a point, has no inner side.
+                (across.min(low_radius), point.z.clamp(low, high))
             } else {
                 let s = from_rim.dot(side) / side.length_squared();
                 if s > 0.0 {

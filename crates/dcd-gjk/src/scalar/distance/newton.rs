@@ -32,6 +32,10 @@ pub(super) fn approach(
     sides: [PosedShape<'_>; 2],
 ) -> Result<Approach, Verdict<()>> {
     let [a, b] = sides;
+    // Products of lengths in metres stay clear of underflow.
+    if !closed::SIZES.contains(&(difference.size() / difference.scale())) {
+        return search(difference, bounds, gap);
+    }
     let by_points = |points| proposed(difference, bounds, gap, points);
     if let Some(found) = closed::curved::nearest_points(a, b).and_then(by_points) {
         return Ok(found);

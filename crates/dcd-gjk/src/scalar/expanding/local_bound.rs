@@ -190,6 +190,6 @@ impl Symmetric {
     fn least(self) -> f64 {
         let [xx, xy, yy] = self.0;
         let half = 0.5 * (xx - yy);
-        0.5 * (xx + yy) - half.hypot(xy)
+        0.5 * (xx + yy) - (half * half + xy * xy).sqrt()
     }
 }

@@ -48,6 +48,9 @@ pub(crate) struct Surface {
 /// Farther than any face.
 const GONE: f64 = f64::INFINITY;
 
+/// The length of a product of two edges below which a face is a line: no square of more underflows, lengths below 1.
+const LINE: f64 = 1e-150;
+
 /// No face starts here.
 const NONE: u32 = u32::MAX;
 
@@ -203,7 +206,7 @@ impl Surface {
         let [p, q, r] = self.corners(&vertices);
         let normal = (q - p).cross(r - p);
         let length = normal.length();
-        if !(length > 0.0) {
+        if !(length > LINE) {
             return None;
         }
         let normal = normal / length;

@@ -209,7 +209,7 @@ fn curved_pair(draw: &mut Draw, k: usize) -> [Shape; 2] {
         3 => Shape::capsule(0.1 + 0.4 * draw.unit(), 0.2 * draw.unit()).unwrap(),
         _ => draw.polytope(),
     };
-    let first = if k % 7 == 0 { first.swept(0.1 * draw.unit()).unwrap() } else { first };
+    let first = if k.is_multiple_of(7) { first.swept(0.1 * draw.unit()).unwrap() } else { first };
     if draw.unit() < 0.5 { [first, other] } else { [other, first] }
 }
 
@@ -223,7 +223,7 @@ fn poses(draw: &mut Draw, k: usize) -> [Pose; 2] {
         _ => DQuat::from_scaled_axis(draw.vector() * 3.0),
     };
     let mut place = draw.vector() * 0.6;
-    if k % 11 == 0 {
+    if k.is_multiple_of(11) {
         place = turn * (DVec3::Z * place.z);
     }
     [Pose::new(turn, DVec3::ZERO).unwrap(), Pose::new(other.normalize(), place).unwrap()]
