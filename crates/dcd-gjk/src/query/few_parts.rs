@@ -6,6 +6,7 @@
 //! were given"). What that leaves open is left to the parts as they are placed.
 
 mod framed;
+mod slab;
 
 use super::{Accuracy, Feature, depths};
 use crate::distance::{Distance, DistanceResult, distance_at, gap_along};
@@ -16,6 +17,7 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Part, Polytope, Pose, Shape, SupportMap};
 use dcd_simd::ArrayVec;
 pub(super) use framed::Framed;
+use slab::Slab;
 use std::cell::OnceCell;
 
 /// The most parts of one shape, those of two make 64 pairs. More: the tree over them is quicker.
@@ -31,11 +33,8 @@ const IN_FRAME: f64 = 8.5;
 /// The most that may be, relative to the part's reach: far from the origin rounding is more than the accuracy allows.
 const NEAR: f64 = 1e-10;
 
-/// The largest deviation of the pose of a half-space or triangle whose normal is that of a slab.
-const TURNED: f64 = 1e-12;
-
-/// What the height of a sphere's centre over such a slab may be off. Relative to the lengths. Derived: 2.1 times
-/// [`TURNED`], and 24u. Smaller: parts that are missed.
+/// What the height of a sphere's centre over a slab may be off. Relative to the lengths. Derived: 2.1 times
+/// [`slab::TURNED`], and 24u. Smaller: parts that are missed.
 const ABOVE: f64 = 4e-12;
 
 /// What a bound may be at the accuracy of f64, relative to the pair's size: what [`Accuracy::F64`] promises of a depth, and four times
@@ -71,18 +70,6 @@ enum At<'a> {
 enum Frame {
     Own,
     Other,
-}
-
-/// Between which heights a half-space or a triangle is along its normal, in world axes.
-#[derive(Clone, Copy)]
-struct Slab {
-    /// Of unit length, but for rounding.
-    outward: DVec3,
-    /// How far along that it begins, −∞ for a half-space, and ends.
-    low: f64,
-    high: f64,
-    /// At least the lengths that this was computed with.
-    far: f64,
 }
 
 /// Those of one shape.
@@ -159,44 +146,6 @@ impl<'a> Placed<'a> {
         let height = outward.dot(self.centre);
         let lost = ABOVE * (far + self.centre.abs().element_sum());
         (height - high).max(low - height) - self.radius * (1.0 + 1e-5) - lost
-    }
-}
-
-impl Slab {
-    /// `None` of other shapes, and of a pose that is hardly a rotation.
-    fn of(side: PosedShape<'_>) -> Option<Self> {
-        let (pose, place) = (side.pose, side.pose.translation());
-        if !(pose.deviation() <= TURNED) {
-            return None;
-        }
-        match side.shape {
-            Shape::HalfSpace(half_space) => {
-                let length = half_space.normal().length();
-                let outward = *pose.rotation() * (half_space.normal() / length);
-                let own = half_space.offset() / length;
-                let radius = half_space.swept_radius();
-                let far = place.abs().element_sum() + own.abs() + radius;
-                let high = outward.dot(place) + own + radius;
-                Some(Self { outward, low: f64::NEG_INFINITY, high, far })
-            }
-            Shape::Polytope(triangle) if triangle.kind() == Kind::Triangle => {
-                Self::of_triangle(triangle, pose)
-            }
-            _ => None,
-        }
-    }
-
-    /// Any direction of unit length would do: the heights are those of the corners.
-    fn of_triangle(triangle: &Polytope, pose: &Pose) -> Option<Self> {
-        let &[p, q, r] = triangle.vertices() else { return None };
-        let radius = triangle.swept_radius();
-        let [p, q, r] = [p, q, r].map(|corner| pose.apply(corner));
-        let outward = (q - p).cross(r - p).try_normalize()?;
-        let [of_p, of_q, of_r] = [p, q, r].map(|corner| outward.dot(corner));
-        let low = of_p.min(of_q).min(of_r) - radius;
-        let high = of_p.max(of_q).max(of_r) + radius;
-        let far = pose.translation().abs().element_sum() + 2.0 * triangle.reach() + radius;
-        Some(Self { outward, low, high, far })
     }
 }
 

@@ -36,7 +36,7 @@ const TO_TANGENT: f64 = 1.04;
 /// The smallest tangent: below it the quotients are rounding. Larger: nothing but a needless part of the sphere.
 const NARROWEST: f64 = 1e-6;
 
-/// The least second derivative that counts as one, lengths below 1. What it is divided into is a square of 1e-8 at most.
+/// The least second derivative that counts as one, lengths below 1. What is divided by it is the square of a slope of 1e-10 at most.
 /// Smaller: bounds that rounding makes. Larger: more pairs that are searched to the end.
 const BENT: f64 = 1e-6;
 
