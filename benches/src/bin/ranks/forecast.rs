@@ -1,7 +1,7 @@
 //! What thousands of ranks would take, by the model of ghosts, measured steps and published networks.
 
 use anyhow::Result;
-use dcd_benches::{Cell, Column, Report, Table, timing};
+use dcd_benches::{Cell, Column, Options, Report, Table, timing};
 use dcd_exec::Par;
 use dcd_pipeline::Pipeline;
 use dcd_scenes::SceneSpec;
@@ -30,12 +30,12 @@ const NEIGHBOURS: f64 = 26.0;
 const RANKS: [usize; 5] = [8, 64, 512, 1_024, 4_096];
 const WEAK_A_RANK: f64 = 244_140.625;
 const STRONG_OBJECTS: f64 = 1e9;
-/// Objects of the step that is timed.
-const TIMED: usize = 250_000;
+/// Objects of the step that is timed, in a full run and in a quick one.
+const TIMED: [usize; 2] = [250_000, 4_000];
 
-/// Seconds an object and step on one thread: measured here.
-fn seconds_an_object() -> Result<f64> {
-    let scene = SceneSpec::sparse().with_objects(TIMED).scene()?;
+/// Seconds an object and step of so many on one thread: measured here.
+fn seconds_an_object(objects: usize) -> Result<f64> {
+    let scene = SceneSpec::sparse().with_objects(objects).scene()?;
     let mut pipeline = Pipeline::new();
     let mut times: Vec<f64> = (0..7)
         .map(|_| {
@@ -43,11 +43,16 @@ fn seconds_an_object() -> Result<f64> {
         })
         .collect();
     times.sort_unstable_by(f64::total_cmp);
-    Ok(times[times.len() / 2] / TIMED as f64)
+    Ok(times[times.len() / 2] / objects as f64)
 }
 
-pub(crate) fn show((world, fitted): (World, Fitted), report: &mut Report) -> Result<()> {
-    let an_object = seconds_an_object()?;
+pub(crate) fn show(
+    options: &Options,
+    (world, fitted): (World, Fitted),
+    report: &mut Report,
+) -> Result<()> {
+    let timed = TIMED[usize::from(options.quick)];
+    let an_object = seconds_an_object(timed)?;
     let mut columns = vec![
         Column::new("scaling"),
         Column::new("ranks (assumed)"),
@@ -96,7 +101,7 @@ pub(crate) fn show((world, fitted): (World, Fitted), report: &mut Report) -> Res
     report.heading("Thousands of ranks");
     report.note(format!(
         "Nobody has run this. Assumed: a cube of the density of `sparse`, ranks of one thread of this machine, equal \
-         costs, no other traffic. Measured: {:.0} ns an object and step ({TIMED} objects, one thread), ghosts and bytes \
+         costs, no other traffic. Measured: {:.0} ns an object and step ({timed} objects, one thread), ghosts and bytes \
          as fitted above. Published: 1.93 µs and 37.23 Gb/s of 40 Gb Ethernet with usNIC (Squyres, “MPI over 40Gb \
          Ethernet”, blogs.cisco.com), 5 µs and 1.5 GB/s of Red Storm, its requirements (Brightwell et al., “Portals \
          3.3 on the Sandia/Cray Red Storm system”). Weak: as many objects a rank as a billion on 4,096; strong: a \

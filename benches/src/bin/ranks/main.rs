@@ -64,7 +64,7 @@ fn run(line: &Line) -> Result<()> {
     speed::show(&units, &mut report)?;
     let fitted = surface::show(options, &units, &mut report)?;
     if let Some((world, fitted)) = fitted {
-        forecast::show((world, fitted), &mut report)?;
+        forecast::show(options, (world, fitted), &mut report)?;
     }
     report.hand_out(&dir, line.print)?;
     units.finish()?;

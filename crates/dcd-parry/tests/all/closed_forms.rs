@@ -1,8 +1,6 @@
 //! Pairs whose answer is known by hand, in every way and in both precisions.
 
-mod common;
-
-use common::{answers, assert_all, two};
+use crate::common::{answers, assert_all, two};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Polytope, Pose, Shape};
 use std::f64::consts::FRAC_PI_4;

@@ -1,5 +1,4 @@
 //! A recorded run, replayed: the same contacts, in the same order, on any number of threads.
-#![allow(missing_docs)]
 
 use dcd_exec::with_threads;
 use dcd_io::{Capture, place_frame};

@@ -1,5 +1,4 @@
 //! Sensors: what touches them is listed apart from the contacts, and never measured.
-#![allow(missing_docs)]
 
 use dcd_broad::WideTree;
 use dcd_exec::with_threads;

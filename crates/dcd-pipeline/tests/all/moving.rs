@@ -1,12 +1,10 @@
 //! Moving scenes with static objects, on fresh seeds: whatever a pipeline has seen, a step reports what a
 //! fresh one reports, in the same order.
 //!
-//! `DCD_STEPS=100000 cargo test -p dcd-pipeline --test moving` runs so many steps;
+//! `DCD_STEPS=100000 cargo test -p dcd-pipeline --test all moving` runs so many steps;
 //! `DCD_SEED=…` repeats what a failure has printed.
 
-#[path = "moving/beside_fresh.rs"]
 mod beside_fresh;
-#[path = "moving/course.rs"]
 mod course;
 
 use beside_fresh::{Seen, run};

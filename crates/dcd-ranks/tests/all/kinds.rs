@@ -1,8 +1,6 @@
 //! Shapes of every kind, a terrain, a floor without an end, and what ranks refuse.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Filter, Motion, Object, Pose, Scene, Shape};
 use dcd_gjk::Accuracy;

@@ -1,8 +1,6 @@
 //! What all ranks find together is what one machine finds: contacts, order, answers, candidates.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Object, Pose, Scene, Shape, Support, SupportMap};
 use dcd_gjk::Accuracy;

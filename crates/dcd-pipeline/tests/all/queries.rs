@@ -1,5 +1,4 @@
 //! Queries through the whole step: the same answers at any number of threads, and step after step.
-#![allow(missing_docs)]
 
 use dcd_broad::WideTree;
 use dcd_exec::with_threads;

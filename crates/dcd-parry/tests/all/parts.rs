@@ -1,8 +1,6 @@
 //! Compounds and meshes beside Parry's: each difference is judged by exact integers on parts.
 
-mod common;
-
-use common::{contacts, rival_contacts};
+use crate::common::{contacts, rival_contacts};
 use dcd_broad::BruteForce;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Pair, Polytope, Pose, Scene, Shape};

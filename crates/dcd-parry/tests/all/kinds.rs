@@ -1,11 +1,9 @@
 //! Every kind of shape against every kind: proved answers beside Parry's own in f64.
 //!
-//! `DCD_KIND_POSES=10000 cargo test --release -p dcd-parry --test kinds` tests as many poses of each
+//! `DCD_KIND_POSES=10000 cargo test --release -p dcd-parry --test all kinds` tests as many poses of each
 //! pair of kinds at each scale; without it a few, so that the test is quick.
 
-mod common;
-
-use common::{decide, two};
+use crate::common::{decide, two};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Pose, Shape};
 use dcd_gjk::certified::{overlap_exactly, overlap_of};

@@ -1,12 +1,10 @@
 //! Queries of a scene against every object on its own, at any number of threads, and what is refused.
-#![allow(missing_docs)]
 
 mod batches;
 mod changed;
 mod crowd;
-#[path = "../random/mod.rs"]
-mod random;
 
+use crate::random::Random;
 use dcd_exec::{Segments, with_threads};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Filter, Motion, Object, Pose, Scene, Shape};
@@ -18,7 +16,6 @@ use dcd_pipeline::{
     Velocity,
 };
 use dcd_scenes::SceneSpec;
-use random::Random;
 
 /// Mixed shapes; some static, some sensors, a floor, a free slot; few objects or many.
 fn scene(objects: usize) -> Scene {

@@ -1,8 +1,6 @@
 //! Parry's ways against each other, and against separating axes, on whole scenes.
 
-mod common;
-
-use common::{QUERIES, contacts, rival_contacts};
+use crate::common::{QUERIES, contacts, rival_contacts};
 use dcd_exec::Par;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Pair, Scene};
