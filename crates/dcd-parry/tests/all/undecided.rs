@@ -1,6 +1,6 @@
 //! What Parry does not say is undecided, and never a panic.
 
-use crate::common::{answers, decide, two};
+use crate::common::{self, answers, decide, two};
 use dcd_exec::Par;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Pair, Pose, Scene, Shape, Support, SupportMap};
