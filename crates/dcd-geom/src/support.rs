@@ -107,6 +107,21 @@ impl<R: Real, S: SupportMap<R> + ?Sized> SupportMap<R> for Arc<S> {
     }
 }
 
+/// [`farthest`] of so few that their number is known to the compiler: in a third of the instructions.
+#[inline(always)]
+fn farthest_of<R: Real, const N: usize>(points: [DVec3; N], direction: R::Vec3) -> Support<R> {
+    let points = points.map(R::Vec3::from_dvec3);
+    let along = points.map(|point| point.dot(direction));
+    let (mut most, mut found) = (-R::MAX, Support { point: points[0], feature: 0 });
+    for k in 0..N {
+        let is_farther = along[k] > most;
+        most = if is_farther { along[k] } else { most };
+        let feature = if is_farther { k as u32 } else { found.feature };
+        found = Support { point: if is_farther { points[k] } else { found.point }, feature };
+    }
+    found
+}
+
 /// How many maxima [`farthest`] keeps: a comparison then waits for the fourth before it, not for the last one.
 const CHAINS: usize = 4;
 
@@ -115,6 +130,11 @@ const CHAINS: usize = 4;
 /// Returns the index and the point; `points` must not be empty, else the origin comes back.
 #[inline]
 pub(crate) fn farthest<R: Real>(points: &[DVec3], direction: R::Vec3) -> Support<R> {
+    match *points {
+        [a, b] => return farthest_of([a, b], direction),
+        [a, b, c] => return farthest_of([a, b, c], direction),
+        _ => {}
+    }
     let mut most = [-R::MAX; CHAINS];
     let mut at = [0u64; CHAINS];
     let fours = points.chunks_exact(CHAINS);

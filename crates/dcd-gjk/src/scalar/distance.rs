@@ -320,13 +320,14 @@ fn in_f64_in_order(gap: f64, a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceRe
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
             let (a, b) =
                 (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
-            closed::distance(a, b, closed::AS_F64)
-                .unwrap_or_else(|| measured(a, b, |pair, bounds| approach(pair, bounds, gap)))
+            closed::distance(a, b, closed::AS_F64).unwrap_or_else(|| {
+                measured(a, b, |pair, bounds, near| approach(pair, bounds, gap, near))
+            })
         }
         _ => {
             let bodies = [a, b].map(|side| PosedSupport::shape(side.shape, side.pose));
-            measured(bodies[0], bodies[1], |pair, bounds| {
-                newton::approach(pair, bounds, gap, [a, b])
+            measured(bodies[0], bodies[1], |pair, bounds, near| {
+                newton::approach(pair, bounds, (gap, [a, b]), near)
             })
         }
     }
@@ -336,17 +337,22 @@ fn in_f64_in_order(gap: f64, a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceRe
 fn measured<S: InBlocks>(
     a: PosedSupport<'_, S>,
     b: PosedSupport<'_, S>,
-    search: impl FnOnce(&Difference<'_, f64, S, S>, &Bounds<f64>) -> Result<Approach, Verdict<()>>,
+    search: impl FnOnce(
+        &Difference<'_, f64, S, S>,
+        &Bounds<f64>,
+        &mut Approach,
+    ) -> Result<(), Verdict<()>>,
 ) -> DistanceResult {
     let Some(difference) = Difference::new(a, b) else {
         return DistanceResult::Undecided(Reason::Range);
     };
     let bounds = Bounds::of(&difference);
-    let near = match search(&difference, &bounds) {
-        Ok(near) => near,
+    let mut near = Approach::begin(&difference);
+    match search(&difference, &bounds, &mut near) {
+        Ok(()) => {}
         Err(Verdict::Undecided(reason)) => return DistanceResult::Undecided(reason),
         Err(_) => return DistanceResult::Touching,
-    };
+    }
     if near.lower > bounds.swept_upper() {
         return DistanceResult::Apart(near.distance(&bounds, difference.scale(), (a, b)));
     }
@@ -390,29 +396,32 @@ fn in_order(
     if let Some(found) = closed::distance(a, b, closed::SHARP) {
         return (found, Method::F64);
     }
-    let difference = Difference::<f64, _, _>::new(a, b);
-    let mut searched = None;
-    if let Some(difference) = &difference {
-        let bounds = Bounds::of(difference);
-        match approach(difference, &bounds, 0.0) {
-            Err(Verdict::Touching(())) => return (DistanceResult::Touching, Method::F64),
-            Err(_) => {}
-            Ok(near) => {
-                let is_apart = near.lower > bounds.swept_upper();
-                searched = Some((near, difference.scale(), is_apart));
-            }
-        }
+    let Some(difference) = Difference::<f64, _, _>::new(a, b) else {
+        return touching(a, b).unwrap_or_else(|| of_hint(a, b, None, &[]));
+    };
+    let bounds = Bounds::of(&difference);
+    let mut near = Approach::begin(&difference);
+    let found = approach(&difference, &bounds, 0.0, &mut near);
+    if found == Err(Verdict::Touching(())) {
+        return (DistanceResult::Touching, Method::F64);
     }
-    if !matches!(searched, Some((.., true))) {
-        let (verdict, method) = certified::overlap(a, b);
-        if verdict != Verdict::Apart {
-            return (DistanceResult::Touching, method);
-        }
+    let is_apart = found.is_ok() && near.lower > bounds.swept_upper();
+    if !is_apart && let Some(touching) = touching(a, b) {
+        return touching;
     }
-    match searched {
-        Some((near, scale, _)) => of_near(a, b, scale, &near),
-        None => of_hint(a, b, difference.map(|difference| difference.scale()), &[]),
+    match found {
+        Ok(()) => of_near(a, b, difference.scale(), &near),
+        Err(_) => of_hint(a, b, Some(difference.scale()), &[]),
     }
+}
+
+/// The answer of two that are not apart.
+fn touching(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+) -> Option<(DistanceResult, Method)> {
+    let (verdict, method) = certified::overlap(a, b);
+    (verdict != Verdict::Apart).then_some((DistanceResult::Touching, method))
 }
 
 /// Of two that are apart, from where the search in f64 has come.

@@ -28,27 +28,29 @@ const FEATURES_ARE_KNOWN: f64 = 3e-3;
 pub(super) fn approach(
     difference: &Difference<'_, f64, Shape, Shape>,
     bounds: &Bounds<f64>,
-    gap: f64,
-    sides: [PosedShape<'_>; 2],
-) -> Result<Approach, Verdict<()>> {
+    (gap, sides): (f64, [PosedShape<'_>; 2]),
+    near: &mut Approach,
+) -> Result<(), Verdict<()>> {
     let [a, b] = sides;
     // Products of lengths in metres stay clear of underflow.
     if !closed::SIZES.contains(&(difference.size() / difference.scale())) {
-        return search(difference, bounds, gap);
+        return search(difference, bounds, gap, near);
     }
     let by_points = |points| proposed(difference, bounds, gap, points);
     if let Some(found) = closed::curved::nearest_points(a, b).and_then(by_points) {
-        return Ok(found);
+        *near = found;
+        return Ok(());
     }
     if !has_features(a.shape, b.shape) {
-        return search(difference, bounds, gap);
+        return search(difference, bounds, gap, near);
     }
-    let near = search(difference, bounds, gap.max(FEATURES_ARE_KNOWN))?;
-    if let Some(found) = nearest_points(&near, sides).and_then(by_points) {
-        return Ok(found);
-    }
-    let found = approach_from(difference, bounds, [gap, f64::MAX], near.simplex)?;
-    Ok(found.or_earlier(near, bounds))
+    search(difference, bounds, gap.max(FEATURES_ARE_KNOWN), near)?;
+    *near = match nearest_points(near, sides).and_then(by_points) {
+        Some(found) => found,
+        None => approach_from(difference, bounds, [gap, f64::MAX], near.simplex)?
+            .or_earlier(near, bounds),
+    };
+    Ok(())
 }
 
 /// Whether two shapes have features that are known here, one of them a curved one.

@@ -25,13 +25,13 @@ const SCALES: Range<f64> = 1.0 / (1u64 << 30) as f64..(1u64 << 30) as f64;
 /// polytopes, of two with few vertices, whose supports are as quick in f64, and where f32 is of no use. The same on every path.
 pub(super) fn warm_start<A: InBlocks, B: InBlocks>(
     difference: &Difference<'_, f64, A, B>,
-) -> Simplex<f64> {
-    let mut found = Simplex::default();
+    simplex: &mut Simplex<f64>,
+) {
     let (a, b) = difference.maps();
-    let (Some(a), Some(b)) = (a.polytope(), b.polytope()) else { return found };
+    let (Some(a), Some(b)) = (a.polytope(), b.polytope()) else { return };
     let have_few = a.vertex_blocks().is_empty() && b.vertex_blocks().is_empty();
     if have_few || !SCALES.contains(&difference.scale()) {
-        return found;
+        return;
     }
     let support = |polytope: &Polytope, feature: u32| Support {
         point: polytope.vertices()[feature as usize],
@@ -40,9 +40,8 @@ pub(super) fn warm_start<A: InBlocks, B: InBlocks>(
     let corners = dispatch(Search { a, b, frame: Frame::of(difference) });
     for &Corner { features: [k, l], .. } in corners.list() {
         let (a, b) = (support(a, k), support(b, l));
-        found.push(Vertex { w: difference.world(a.point, b.point), a, b });
+        simplex.push(Vertex { w: difference.world(a.point, b.point), a, b });
     }
-    found
 }
 
 /// The difference in the frame of A, scaled: a − R·b + middle, of points relative to the centres.

@@ -175,8 +175,10 @@ fn of_supports<S: InBlocks>(
     let bounds = Bounds::of(&search.difference);
     if bounds.radius() > 0.0 {
         let known = points.and_then(|points| proposed(&search.difference, &bounds, 0.0, points));
-        let near = known.map_or_else(|| approach(&search.difference, &bounds, 0.0), Ok);
-        if let Ok(near) = near {
+        let mut near = known.unwrap_or_else(|| Approach::begin(&search.difference));
+        let is_found =
+            known.is_some() || approach(&search.difference, &bounds, 0.0, &mut near).is_ok();
+        if is_found {
             // Where they may overlap, by no more than that direction shows: its bound counts it.
             let found = search.of_nearest_points(&bounds, &near);
             if near.lower > 0.0 || found.is_some() {

@@ -39,7 +39,8 @@ fn found(
     gap: f64,
 ) -> Option<Approach> {
     let difference = Difference::new(a, b)?;
-    approach(&difference, &Bounds::of(&difference), gap).ok()
+    let mut near = Approach::begin(&difference);
+    approach(&difference, &Bounds::of(&difference), gap, &mut near).ok().map(|()| near)
 }
 
 /// Whether it is the distance of whole numbers, which is right to 2⁻⁴⁹ of itself.

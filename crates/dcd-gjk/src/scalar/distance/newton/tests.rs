@@ -11,7 +11,8 @@ fn by_search([a, b]: [PosedShape<'_>; 2]) -> Option<Distance> {
     let bodies = [a, b].map(|side| PosedSupport::shape(side.shape, side.pose));
     let difference = Difference::new(bodies[0], bodies[1])?;
     let bounds = Bounds::of(&difference);
-    let near = search(&difference, &bounds, 0.0).ok()?;
+    let mut near = Approach::begin(&difference);
+    search(&difference, &bounds, 0.0, &mut near).ok()?;
     let is_apart = near.lower > bounds.swept_upper();
     is_apart.then(|| near.distance(&bounds, difference.scale(), (bodies[0], bodies[1])))
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::PosedSupport;
 use crate::certificate::Bounds;
-use crate::distance::approach::{approach, approach_from};
+use crate::distance::approach::{Approach, approach, approach_from};
 use crate::motion::tests::Draw;
 use dcd_geom::Pose;
 use dcd_geom::glam::DQuat;
@@ -47,7 +47,8 @@ fn a_warm_start_is_mostly_where_the_search_in_f64_ends() {
         let difference = Difference::<f64, _, _>::new(posed.0, posed.1).unwrap();
         let bounds = Bounds::of(&difference);
         let cold = approach_from(&difference, &bounds, [0.0, f64::MAX], Simplex::default());
-        let start = warm_start(&difference);
+        let mut start = Simplex::default();
+        warm_start(&difference, &mut start);
         let warm = approach_from(&difference, &bounds, [0.0, f64::MAX], start);
         let Ok(cold) = cold else {
             assert!(warm.is_err(), "{k}");
@@ -93,7 +94,9 @@ fn sizes_beyond_f32_have_no_warm_start() {
         let posed =
             (PosedSupport::polytope(&a, &Pose::IDENTITY), PosedSupport::polytope(&b, &away));
         let difference = Difference::<f64, _, _>::new(posed.0, posed.1).unwrap();
-        assert!(warm_start(&difference).vertices().is_empty());
+        let mut start = Simplex::default();
+        warm_start(&difference, &mut start);
+        assert!(start.vertices().is_empty());
     }
 }
 
@@ -121,8 +124,9 @@ fn of_what_is_hardly_apart_no_less_is_known_than_from_afar() {
         let difference = Difference::<f64, _, _>::new(posed.0, posed.1).unwrap();
         let bounds = Bounds::of(&difference);
         let cold = approach_from(&difference, &bounds, [0.0, f64::MAX], Simplex::default());
-        let found = approach(&difference, &bounds, 0.0);
-        let (Ok(cold), Ok(found)) = (cold, found) else { continue };
+        let mut found = Approach::begin(&difference);
+        let is_found = approach(&difference, &bounds, 0.0, &mut found).is_ok();
+        let (Ok(cold), true) = (cold, is_found) else { continue };
         assert!(found.lower >= cold.lower.min(0.0), "{k}: {} {}", found.lower, cold.lower);
         known += 1;
     }
