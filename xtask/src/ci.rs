@@ -65,7 +65,8 @@ fn clippy() -> Result<Vec<String>> {
 /// Features that no crate of the workspace turns on: their tests, and that the front compiles with them.
 fn features() -> Result<Vec<String>> {
     let tests = ["test", "--quiet", "--package", "dcd-geom", "--features", "serde,mint", "--lib"];
-    cargo::shown(cargo().args(tests))?;
+    // Built for this check alone.
+    cargo::shown(cargo().args(tests).env("CARGO_PROFILE_TEST_OPT_LEVEL", "0"))?;
     let front = ["check", "--quiet", "--package", "dcd-pipeline", "--features", "serde,mint"];
     cargo::shown(cargo().args(front))?;
     Ok(Vec::new())

@@ -72,7 +72,7 @@ impl Approach {
         Self::towards(start::<f64>(difference.middle()))
     }
 
-    /// See [`approach_from`].
+    /// Goes on from where it stands: see [`approach_from`].
     fn search<A: InBlocks, B: InBlocks>(
         &mut self,
         difference: &Difference<'_, f64, A, B>,
