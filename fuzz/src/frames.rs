@@ -4,9 +4,9 @@ use crate::Input;
 use beside_fresh::{Seen, run};
 use course::Source;
 
-#[path = "../../crates/dcd-pipeline/tests/moving/beside_fresh.rs"]
+#[path = "../../crates/dcd-pipeline/tests/all/moving/beside_fresh.rs"]
 mod beside_fresh;
-#[path = "../../crates/dcd-pipeline/tests/moving/course.rs"]
+#[path = "../../crates/dcd-pipeline/tests/all/moving/course.rs"]
 mod course;
 
 impl Source for Input<'_> {
