@@ -3,10 +3,11 @@
 //!
 //! All parts meet the plane along one normal: there is one manifold, and no part is compared with another.
 
+use super::bounds::{TURNED, bound_of};
 use super::clip::different;
 use super::on_plane::{MOST as CORNERS, Resting};
 use super::reduce::{self, Spot};
-use super::{Feature, Manifold, ManifoldPoint, SAME, TURNED, bound_of};
+use super::{Feature, Manifold, ManifoldPoint, SAME};
 use crate::closed::level::PlaneInFrame;
 use crate::epa::Depth;
 use crate::mesh::PartIndex;

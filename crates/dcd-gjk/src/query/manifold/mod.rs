@@ -8,6 +8,7 @@
 //! each normal along which some of their parts meet.
 
 mod alone;
+mod bounds;
 mod clip;
 mod contacts;
 mod corners;
@@ -40,11 +41,12 @@ use crate::mesh::{self, KnownParts, PartIndex};
 use crate::simd::CuboidPatch;
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
 use alone::Known;
+use bounds::{bound_of, bound_of_witnesses, missed, turned_by};
 pub use contacts::ManifoldContacts;
 use corners::Corners;
 pub(crate) use cuboids::case_of;
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Pair, Shape, SupportMap};
+use dcd_geom::Pair;
 use dcd_simd::{ArrayVec, Path, dispatch_on};
 pub(crate) use facing::{FACING, LEVEL};
 use feature::View;
@@ -384,61 +386,9 @@ fn write_by_corners(
 /// What two spheres touch with.
 const OF_SPHERES: [Feature; 2] = [Feature::Vertex(0); 2];
 
-/// The bound of a manifold of shapes so large, without what is swept round them.
-fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) -> f64 {
-    let far = a.pose.translation().length() + b.pose.translation().length();
-    let turned = turned_by(a.pose.deviation() + b.pose.deviation(), (depth, size, [a, b]));
-    (depth.error_bound + FLAT * size + turned + 8.0 * f64::EPSILON * far).min(f64::MAX)
-}
-
-/// How far points of a manifold may be off for what poses are off rotations by, the sum of both: metres.
-fn turned_by(deviation: f64, (depth, size, [a, b]): (&Depth, f64, [PosedShape<'_>; 2])) -> f64 {
-    let radii = swept_round(a.shape) + swept_round(b.shape);
-    TURNED * deviation * (size + radii + depth.depth)
-}
-
-/// The largest radius that is swept round a shape, or a part of it: metres.
-fn swept_round(shape: &Shape) -> f64 {
-    match shape {
-        Shape::Compound(compound) => compound.swept_radius(),
-        whole => whole.radius(),
-    }
-}
-
-/// The same of a manifold that is the witnesses of the depth alone, with what these lack of the depth along the normal.
-///
-/// Those of polytopes are of their surfaces, however far they are beside each other. Those of a cylinder, cone or foreign
-/// shape are on chords of its surface: inside by no more than what their difference lacks of the depth, for all of a shape is
-/// on one side of its plane there.
-fn bound_of_witnesses(depth: &Depth, size: f64, sides: [PosedShape<'_>; 2]) -> f64 {
-    let are_polytopes = sides.iter().all(|side| side.shape.as_polytope().is_some());
-    let lacking = if are_polytopes { missed_along(depth) } else { missed(depth) };
-    (bound_of(depth, size, sides) + lacking).min(f64::MAX)
-}
-
-/// How far the witnesses of a depth are from differing by it along its normal, metres: where cores hardly overlap, the
-/// nearest points of a search in f64 are apart, and the depth is how far the shapes reach.
-fn missed_along(depth: &Depth) -> f64 {
-    ((depth.point_a - depth.point_b).dot(depth.normal) - depth.depth).abs()
-}
-
-/// How far the witnesses of a depth are from differing by it, metres.
-fn missed(depth: &Depth) -> f64 {
-    (depth.point_a - depth.point_b - depth.normal * depth.depth).length()
-}
-
 /// How far from the witnesses' depth the deepest corner may be to stand for it, relative to the
 /// shapes' size: faces are flat to a billionth. Larger: a deepest point that is not the deepest.
 const SAME: f64 = 1e-9;
-
-/// How flat the faces are, and how far two parallel edges may lean, as a part of the error bound;
-/// relative to the shapes' size.
-const FLAT: f64 = 1e-8;
-
-/// How far points may be off for what the poses are off rotations by: planes that are turned as vectors are, and the angles by
-/// which faces and edges lean. Unit: the deviations, times the size, the swept radii and the depth. Derived: 3.2. Smaller:
-/// points off their surfaces by more than the bound. (docs/numerics/proofs.md, "manifolds")
-const TURNED: f64 = 4.0;
 
 /// The sine above which two edges surely cross.
 const CROSSING: f64 = 1e-6;

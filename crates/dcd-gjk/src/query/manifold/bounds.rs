@@ -1,0 +1,74 @@
+//! How far the points of a manifold may be off.
+
+use crate::PosedShape;
+use crate::epa::Depth;
+use dcd_geom::{Shape, SupportMap};
+
+/// How flat the faces are, and how far two parallel edges may lean, as a part of the error bound;
+/// relative to the shapes' size.
+const FLAT: f64 = 1e-8;
+
+/// How far a point may be off for the rounding of corners that are placed and seen along the normal, and of the point that is placed
+/// back. Unit: of a corner's distance from the origin of its shape's own frame. Derived: 20u. Smaller: points of shapes far from
+/// that origin off their surfaces by more than the bound. (docs/numerics/proofs.md, "manifolds")
+const PLACED: f64 = 16.0 * f64::EPSILON;
+
+/// How far points may be off for what the poses are off rotations by: planes that are turned as vectors are, and the angles by
+/// which faces and edges lean. Unit: the deviations, times the size, the swept radii and the depth. Derived: 3.2. Smaller:
+/// points off their surfaces by more than the bound. (docs/numerics/proofs.md, "manifolds")
+pub(super) const TURNED: f64 = 4.0;
+
+/// The bound of a manifold of shapes so large, without what is swept round them.
+pub(super) fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) -> f64 {
+    let far = a.pose.translation().length() + b.pose.translation().length();
+    let turned = turned_by(a.pose.deviation() + b.pose.deviation(), (depth, size, [a, b]));
+    let rounded = PLACED * (distance_from_origin(a.shape) + distance_from_origin(b.shape));
+    (depth.error_bound + FLAT * size + turned + 8.0 * f64::EPSILON * far + rounded).min(f64::MAX)
+}
+
+/// How far a corner of a shape may be from the origin of its own frame, metres; of a half-space, how far its plane is.
+fn distance_from_origin(shape: &Shape) -> f64 {
+    match shape {
+        Shape::HalfSpace(half_space) => half_space.offset().abs(),
+        other => other.reach(),
+    }
+}
+
+/// How far points of a manifold may be off for what poses are off rotations by, the sum of both: metres.
+pub(super) fn turned_by(
+    deviation: f64,
+    (depth, size, [a, b]): (&Depth, f64, [PosedShape<'_>; 2]),
+) -> f64 {
+    let radii = swept_round(a.shape) + swept_round(b.shape);
+    TURNED * deviation * (size + radii + depth.depth)
+}
+
+/// The largest radius that is swept round a shape, or a part of it: metres.
+fn swept_round(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Compound(compound) => compound.swept_radius(),
+        whole => whole.radius(),
+    }
+}
+
+/// The same of a manifold that is the witnesses of the depth alone, with what these lack of the depth along the normal.
+///
+/// Those of polytopes are of their surfaces, however far they are beside each other. Those of a cylinder, cone or foreign
+/// shape are on chords of its surface: inside by no more than what their difference lacks of the depth, for all of a shape is
+/// on one side of its plane there.
+pub(super) fn bound_of_witnesses(depth: &Depth, size: f64, sides: [PosedShape<'_>; 2]) -> f64 {
+    let are_polytopes = sides.iter().all(|side| side.shape.as_polytope().is_some());
+    let lacking = if are_polytopes { missed_along(depth) } else { missed(depth) };
+    (bound_of(depth, size, sides) + lacking).min(f64::MAX)
+}
+
+/// How far the witnesses of a depth are from differing by it along its normal, metres: where cores hardly overlap, the
+/// nearest points of a search in f64 are apart, and the depth is how far the shapes reach.
+fn missed_along(depth: &Depth) -> f64 {
+    ((depth.point_a - depth.point_b).dot(depth.normal) - depth.depth).abs()
+}
+
+/// How far the witnesses of a depth are from differing by it, metres.
+pub(super) fn missed(depth: &Depth) -> f64 {
+    (depth.point_a - depth.point_b - depth.normal * depth.depth).length()
+}
