@@ -8,10 +8,11 @@ use super::cuboid::{AXIS, ByAxes, PLACED};
 use super::reach::Couple;
 use crate::closed::nearest_of_triangle;
 use crate::epa::Depth;
+use crate::hull_planes::{HullFeatures, PLANE, shares};
+use dcd_geom::Polytope;
 use dcd_geom::glam::DVec3;
-use dcd_geom::{FeatureRows, Polytope};
 use dcd_simd::{Path, Unfused, dispatch_on};
-use lanes::{Feature, HullAxes, PLANE};
+use lanes::{Feature, HullAxes};
 
 /// Lengths, metres, whose products f32 holds.
 const SIZES: std::ops::Range<f64> = 1e-6..1e8;
@@ -28,8 +29,7 @@ const BESIDE: f64 = 1e-9;
 
 /// A triangle in the frame of a hull, from its centre.
 struct Placed<'a> {
-    hull: &'a Polytope,
-    rows: &'a FeatureRows,
+    hull: HullFeatures<'a>,
     corners: [DVec3; 3],
     /// Of unit length.
     normal: DVec3,
@@ -107,7 +107,7 @@ impl Couple<'_> {
         (corners, triangle): (&[DVec3; 3], usize),
         hull: &'h Polytope,
     ) -> Option<Placed<'h>> {
-        let rows = hull.feature_rows()?;
+        let features = HullFeatures::of(hull)?;
         let [of_triangle, of_hull] = [self.poses()[triangle], self.poses()[1 - triangle]];
         let back = of_hull.rotation().transpose();
         let sense = if triangle == 0 { 1.0 } else { -1.0 };
@@ -126,11 +126,10 @@ impl Couple<'_> {
         // Written so that NaN is no triangle.
         let is_known = area > NEEDLE * longest && area > SIZES.start * SIZES.start;
         (is_known && SIZES.contains(&size)).then(|| Placed {
-            hull,
-            rows,
+            hull: features,
             corners: [p, q, r],
             normal: normal / area,
-            tilt: rows.normal_error().max(LEAN * U64 * longest / area),
+            tilt: features.rows.normal_error().max(LEAN * U64 * longest / area),
             longest: longest.sqrt() * (1.0 + 8.0 * U64),
             size,
             off,
@@ -143,7 +142,7 @@ impl Placed<'_> {
     fn least(&self) -> Option<Least> {
         let [p, q, r] = self.corners;
         let search = HullAxes {
-            rows: self.rows,
+            rows: self.hull.rows,
             corner: p.as_vec3(),
             edges: [(q - p).as_vec3(), (r - p).as_vec3()],
             longest: self.longest,
@@ -159,7 +158,7 @@ impl Placed<'_> {
             while set != 0 {
                 let vertex = set.trailing_zeros() as usize;
                 set &= set - 1;
-                let distance = outward.dot(self.vertex(vertex) - p);
+                let distance = outward.dot(self.hull.vertex(vertex) - p);
                 if distance < nearest {
                     others = others.min(match of.0 {
                         Of::Plane(_) => nearest - lost,
@@ -183,18 +182,13 @@ impl Placed<'_> {
         })
     }
 
-    /// From the centre.
-    fn vertex(&self, k: usize) -> DVec3 {
-        self.hull.vertices()[k] - self.hull.inner().centre
-    }
-
     /// The outward unit normal of a plane and its distance from the origin.
     fn plane(&self, feature: Feature) -> Option<(DVec3, f64)> {
         match feature {
-            Feature::Face(face) => {
-                let (outward, corners) = self.rows.face_polygon(face)?;
-                let lowest = self.corners[self.lowest(outward)];
-                Some((outward, outward.dot(self.vertex(*corners.first()? as usize) - lowest)))
+            Feature::Face(face, corner) => {
+                let (outward, corners) = self.hull.rows.face_polygon(face)?;
+                let at = self.hull.vertex(*corners.first()? as usize);
+                Some((outward, outward.dot(at - *self.corners.get(corner)?)))
             }
             Feature::Edge(edge, _) => {
                 let [from, along, on, across] = self.edges(feature, edge)?;
@@ -210,9 +204,9 @@ impl Placed<'_> {
     /// An edge of the hull and one of the triangle: where each begins, and what leads to its end.
     fn edges(&self, feature: Feature, edge: usize) -> Option<[DVec3; 4]> {
         let Feature::Edge(_, [k, l]) = feature else { return None };
-        let [from, to] = self.rows.edge_vertices(edge)?.map(|end| self.vertex(end as usize));
+        let [from, along] = self.hull.edge(edge)?;
         let (on, end) = (*self.corners.get(k)?, *self.corners.get(l)?);
-        Some([from, to - from, on, end - on])
+        Some([from, along, on, end - on])
     }
 
     /// The corner that is lowest along a direction.
@@ -224,13 +218,8 @@ impl Placed<'_> {
 
     /// How far the two reach past each other where the hull leaves along a direction.
     fn reach(&self, outward: DVec3) -> f64 {
-        let mut most = f64::NEG_INFINITY;
-        for vertex in self.hull.vertices() {
-            let along = outward.dot(*vertex);
-            most = if along > most { along } else { most };
-        }
         let lowest = self.corners[self.lowest(outward)];
-        most - outward.dot(self.hull.inner().centre + lowest)
+        self.hull.reach(outward) - outward.dot(lowest)
     }
 
     /// The point of the hull that is deepest, from the centre, and how far the point over it is from the triangle; `None`
@@ -240,39 +229,24 @@ impl Placed<'_> {
         let outward = -least.normal;
         let (at, beside) = match least.feature {
             Of::Vertex(vertex) => {
-                let at = self.vertex(vertex);
+                let at = self.hull.vertex(vertex);
                 (at, nearest_of_triangle(self.corners, at + up).distance(at + up))
             }
-            Of::Plane(Feature::Face(face)) => {
-                let (_, corners) = self.rows.face_polygon(face)?;
+            Of::Plane(Feature::Face(face, _)) => {
+                let (_, corners) = self.hull.rows.face_polygon(face)?;
                 let at = self.corners[self.lowest(outward)] - up;
                 // At a sharp corner its sides say less than the distance.
-                (at, if self.is_inside(corners, outward, at) { 0.0 } else { f64::INFINITY })
+                (at, if self.hull.is_in_face(corners, outward, at) { 0.0 } else { f64::INFINITY })
             }
             Of::Plane(feature @ Feature::Edge(edge, _)) => {
-                let [from, along, on, across] = self.edges(feature, edge)?;
-                let product = along.cross(across);
-                let (square, vector) = (product.length_squared(), from - on);
-                let share = -vector.cross(across).dot(product) / square;
-                let of_triangle = -vector.cross(along).dot(product) / square;
+                let edges @ [from, along, on, across] = self.edges(feature, edge)?;
+                let [share, of_triangle] = shares(edges);
                 let at = from + along * share.clamp(0.0, 1.0);
                 (at, (on + across * of_triangle.clamp(0.0, 1.0)).distance(at + up))
             }
         };
         // Written so that NaN is beside.
         (beside <= BESIDE * self.size).then_some((at, beside))
-    }
-
-    /// Whether a point of a face's plane is in it.
-    fn is_inside(&self, corners: &[u32], normal: DVec3, at: DVec3) -> bool {
-        let Some(&last) = corners.last() else { return false };
-        let mut from = self.vertex(last as usize);
-        corners.iter().all(|&corner| {
-            let to = self.vertex(corner as usize);
-            let right = (to - from).cross(normal).dot(at - from);
-            from = to;
-            right <= 0.0
-        })
     }
 }
 

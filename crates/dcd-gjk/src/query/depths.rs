@@ -3,6 +3,7 @@
 use super::{Accuracy, FoundPair, MeasureAt, MeasureDepth, few_parts, open_triangles, sampled};
 use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
+use crate::hull_planes;
 use crate::mesh::{Effort, KnownParts, OfTriangle, PartPair};
 use crate::{
     Contact, Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, expanding,
@@ -210,6 +211,11 @@ pub(super) fn without_frame(
     {
         return Verdict::Touching(found);
     }
+    if accuracy != Accuracy::Certified
+        && let Some(found) = hull_planes::depth(accuracy, a, b)
+    {
+        return Verdict::Touching(found);
+    }
     let grown = expanding::depth_of_overlap(a, b, accuracy, &mut scratch.surface);
     // What the searches below promise.
     let is_good = |found: &Depth| {
@@ -278,7 +284,7 @@ pub(super) fn of_parts(
 }
 
 /// The bounds that are good enough: relative to the depth, and to the pair's size.
-pub(super) fn tolerance(accuracy: Accuracy) -> [f64; 2] {
+pub(crate) fn tolerance(accuracy: Accuracy) -> [f64; 2] {
     match accuracy {
         Accuracy::F32 => [0.0, 1e-6],
         Accuracy::F64 => [1e-10, 128.0 * f64::EPSILON],

@@ -56,7 +56,7 @@ pub use within::Within;
 
 pub use crate::simd::CuboidPatch;
 
-pub(crate) use depths::CERTIFIED;
+pub(crate) use depths::{CERTIFIED, tolerance};
 pub(crate) use distances::{distance_at_once, spheres_are_apart, within_margin};
 pub(crate) use manifold::{FACING, LEVEL, case_of};
 pub(crate) use within::grown;

@@ -1,23 +1,11 @@
 //! A triangle against the faces and edges of a hull, sixteen at a time.
 
 use super::super::bounds::U;
+use crate::hull_planes::{PRODUCT, Round, SHORTEST};
 use crate::simd::vector::V3;
 use dcd_geom::glam::Vec3;
 use dcd_geom::{EdgeRow, FaceRow, FeatureRows};
 use dcd_simd::{Block, Kernel, Lanes, Row};
-
-/// What a plane's distance loses, but for the direction of a product of edges. Unit: u·s, s at least the length of every
-/// vector between the two. Of a face 2 for its normal and offset, 5 for one dot product and 10 for that with an edge, which
-/// is at most twice as long as a corner is far, 3 for the sums; of a product 7 for the vector, 3 for the dot product, 5 for
-/// the length and the quotient. Smaller: false lower bounds.
-pub(super) const PLANE: f64 = 21.0;
-
-/// What the direction of a product loses. Unit: u of the edge's length and the triangle's longest by the product's. The two
-/// edges 4 and 2, twice the latter's length for a difference; the product 8; and twice the whole for a direction.
-const PRODUCT: f64 = 32.0;
-
-/// The square of a product's length below which it may lose to underflow. Unit: m⁴.
-const SHORTEST: f32 = 1e-30;
 
 /// Against a hull's faces and edges.
 pub(super) struct HullAxes<'a> {
@@ -49,13 +37,10 @@ pub(super) struct Planes {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Feature {
     /// A face, and a corner of the triangle.
-    Face(usize),
+    Face(usize, usize),
     /// An edge, and the edge between two corners.
     Edge(usize, [usize; 2]),
 }
-
-/// The corners of a face's plane.
-const FACE: f32 = 15.0;
 
 /// The nearest planes so far, in each lane.
 struct Nearest<L: Lanes> {
@@ -144,8 +129,9 @@ impl Kernel for HullAxes<'_> {
         let far = l.splat(f32::INFINITY);
         let mut nearest = Nearest { first: far, second: far, number: l.splat(0.0) };
         for (k, row) in self.rows.faces.iter().enumerate() {
-            let distance = of_faces(l, &triangle, row);
-            nearest.add(l, distance, l.splat(16.0 * k as f32 + FACE));
+            let (distance, corner) = of_faces(l, &triangle, row);
+            // As an edge from that corner to itself.
+            nearest.add(l, distance, l.mul_add(l.splat(5.0), corner, l.splat(16.0 * k as f32)));
         }
         let product = ((PRODUCT * U * self.size * self.longest) as f32).next_up();
         let mut round = Round::default();
@@ -155,7 +141,7 @@ impl Kernel for HullAxes<'_> {
             if way.open == 0 {
                 continue;
             }
-            round.add(self.rows, k, &way);
+            round.add(self.rows, k, way.forth_and_back());
             let edges = Edges { triangle: &triangle, product, row };
             let place = l.splat(16.0 * k as f32);
             edges.add(l, [&sides[0], &sides[1]], (&way, place), &mut nearest);
@@ -169,12 +155,12 @@ fn splat<L: Lanes>(l: L, v: Vec3) -> V3<L> {
     V3(l.splat(v.x), l.splat(v.y), l.splat(v.z))
 }
 
-/// How far the planes of faces and the triangle's corners are.
+/// How far the planes of faces and the triangle's lowest corners are, and which these are.
 #[inline(always)]
-fn of_faces<L: Lanes>(l: L, triangle: &Splat<L>, row: &FaceRow) -> L::F {
+fn of_faces<L: Lanes>(l: L, triangle: &Splat<L>, row: &FaceRow) -> (L::F, L::F) {
     let lowest = triangle.lowest(l, &row.normals);
     let along = V3::load(l, &row.normals.0).dot(l, triangle.corner);
-    l.sub(l.load(&row.offsets), l.add(along, lowest.below))
+    (l.sub(l.load(&row.offsets), l.add(along, lowest.below)), lowest.number(l))
 }
 
 /// A row of edges and the triangle.
@@ -280,80 +266,10 @@ impl<L: Lanes> Nearest<L> {
         l.store(self.number, &mut numbers);
         let number = numbers.0[lane as usize] as usize;
         let [place, corners] = [number / 16 * 16 + lane as usize, number % 16];
-        let feature = match corners as f32 == FACE {
-            true => Feature::Face(place),
-            false => Feature::Edge(place, [corners / 4, corners % 4]),
+        let feature = match [corners / 4, corners % 4] {
+            [corner, same] if corner == same => Feature::Face(place, corner),
+            ends => Feature::Edge(place, ends),
         };
         Planes { nearest: least, feature, others: -l.largest(l.neg(rest)), vertices }
-    }
-}
-
-/// How the lowest corner goes round the triangle on the way round each vertex.
-#[derive(Default)]
-struct Round {
-    /// The vertices at which it goes from the first corner to the second, and back.
-    forth: u64,
-    back: u64,
-    /// How often it does.
-    count: u32,
-}
-
-impl Round {
-    /// Takes in a row of edges.
-    #[inline(always)]
-    fn add(&mut self, rows: &FeatureRows, row: usize, way: &Way) {
-        let [mut forth, mut back] = way.forth_and_back();
-        self.count += forth.count_ones() + back.count_ones();
-        while forth != 0 {
-            if let Some([from, to]) = rows.edge_vertices(row * 16 + forth.trailing_zeros() as usize)
-            {
-                self.forth |= 1 << from;
-                self.back |= 1 << to;
-            }
-            forth &= forth - 1;
-        }
-        while back != 0 {
-            if let Some([from, to]) = rows.edge_vertices(row * 16 + back.trailing_zeros() as usize)
-            {
-                self.back |= 1 << from;
-                self.forth |= 1 << to;
-            }
-            back &= back - 1;
-        }
-    }
-
-    /// Those at which it goes round once, in either sense.
-    #[inline(always)]
-    fn vertices(&self) -> Option<[u64; 2]> {
-        let is_once = |set: u64| set.count_ones() == self.count;
-        (is_once(self.forth) && is_once(self.back))
-            .then_some([self.forth & !self.back, self.back & !self.forth])
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use dcd_geom::Polytope;
-    use dcd_geom::glam::DVec3;
-
-    #[test]
-    fn the_way_round_a_vertex_goes_once_round_the_triangle_or_nothing_is_claimed() {
-        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
-        let tetrahedron = Polytope::hull(corners.to_vec()).unwrap();
-        let rows = tetrahedron.feature_rows().unwrap();
-        let edge = |ends: [u32; 2]| (0..6).find(|&k| rows.edge_vertices(k) == Some(ends)).unwrap();
-        let of = |forth: &[[u32; 2]]| {
-            let open = forth.iter().fold(0, |set, &ends| set | 1 << edge(ends));
-            let mut round = Round::default();
-            round.add(rows, 0, &Way { left: [0, 0], right: [open, 0], open, by_third: 0 });
-            round.vertices()
-        };
-        // From the first corner to the second across each: once round at both ends of a path.
-        assert_eq!(of(&[[0, 1], [1, 2]]), Some([1, 4]));
-        assert_eq!(of(&[]), Some([0, 0]));
-        // Twice round vertex 0, and twice round vertex 3.
-        assert_eq!(of(&[[0, 1], [0, 2]]), None);
-        assert_eq!(of(&[[0, 3], [1, 3]]), None);
     }
 }
