@@ -192,18 +192,18 @@ impl<L: Lanes, const AXES: usize> Splat<L, AXES> {
 /// The way of the lowest corner from the left sides of sixteen edges to their right sides, along one axis after another, as sets of
 /// lanes; of faces, their corners alone.
 #[derive(Clone, Copy, Debug, Default)]
-struct Way {
+pub(super) struct Way {
     /// In which it is above the middle on the left side, and on the right.
-    left: [u16; 3],
-    right: [u16; 3],
+    pub(super) left: [u16; 3],
+    pub(super) right: [u16; 3],
     /// In which it changes sides along an axis before it does along the next: of two at once the lower is the first.
-    before: [u16; 3],
+    pub(super) before: [u16; 3],
 }
 
 impl Way {
     /// In which it changes sides along an axis.
     #[inline(always)]
-    fn open(&self, axis: usize) -> u16 {
+    pub(super) fn open(&self, axis: usize) -> u16 {
         self.left[axis] ^ self.right[axis]
     }
 
@@ -215,8 +215,24 @@ impl Way {
         self.left[axis] ^ (self.open(axis) & is_past)
     }
 
+    /// In which it takes [`EDGES`], and in which of these it goes back.
+    #[inline(always)]
+    pub(super) fn taken(&self) -> [(u16, u16); EDGES.len()] {
+        let [of_second, of_third] = [self.open(1), self.open(2)];
+        let [first, third] = [self.above(0, 1) & of_second, self.above(2, 1)];
+        let [other, second] = [self.above(0, 2), self.above(1, 2) & of_third];
+        let along_third = other & of_third;
+        [
+            (other & second, self.left[2]),
+            (along_third & !second, self.left[2]),
+            (first & third, self.left[1]),
+            (first & !third, self.left[1]),
+            (second & !other, self.left[2]),
+        ]
+    }
+
     /// On which sides of the middle a lane's edge along an axis is; along that axis, whether the way goes forth.
-    fn sides(&self, axis: usize, lane: usize) -> [bool; 3] {
+    pub(super) fn sides(&self, axis: usize, lane: usize) -> [bool; 3] {
         let [j, k] = others(axis);
         let mut is_above = [false; 3];
         is_above[axis] = self.left[axis] >> lane & 1 == 0;
@@ -237,14 +253,12 @@ impl<const AXES: usize> Kernel for CuboidPlanes<'_, AXES> {
             axes: [splat(l, x), splat(l, y), splat(l, z)],
             half: [l.splat(self.half[0]), l.splat(self.half[1]), l.splat(self.half[2])],
         };
-        let Planes { rows: planes, ways, rounds, nearest: least } = self.planes;
-        let mut nearest = l.splat(f32::INFINITY);
+        let mut search = Search { planes: self.planes, nearest: l.splat(f32::INFINITY) };
         for (k, row) in self.rows.faces.iter().enumerate() {
             let mut way = Way::default();
             let distance = body.of_faces(l, row, &mut way);
-            nearest = l.min(nearest, distance);
-            planes.push(PlaneRow::stored(l, distance, None, (k, ways.len())));
-            ways.push(way);
+            search.add(l, distance, None, k);
+            search.planes.ways.push(way);
         }
         let product = l.splat(((PRODUCT * U32 * self.size) as f32).next_up());
         for (k, row) in self.rows.edges.iter().enumerate() {
@@ -254,39 +268,64 @@ impl<const AXES: usize> Kernel for CuboidPlanes<'_, AXES> {
                 continue;
             }
             let edges = Edges::of(l, &body, row, product);
-            for axis in 0..AXES {
-                if way.open(axis) == 0 {
-                    continue;
-                }
-                let distance = edges.distance(l, axis, &sides);
-                nearest = l.min(nearest, distance);
-                planes.push(PlaneRow::stored(l, distance, Some(axis as u8), (k, ways.len())));
-            }
-            ways.push(way);
+            search.add_products::<0, AXES>(l, &edges, (&sides, &way), k);
             if AXES == 3 {
-                add_round(&way, self.rows, k, rounds);
+                search.add_products::<1, AXES>(l, &edges, (&sides, &way), k);
+                search.add_products::<2, AXES>(l, &edges, (&sides, &way), k);
+                for (round, (edges, back)) in search.planes.rounds.iter_mut().zip(way.taken()) {
+                    if edges != 0 {
+                        round.add(self.rows, k, [edges & !back, edges & back].map(u32::from));
+                    }
+                }
             }
+            search.planes.ways.push(way);
         }
-        *least = -l.largest(l.neg(nearest));
-        let near = l.splat(*least + (NEAR * PLANE * U32 * self.size) as f32);
-        for row in &mut **planes {
-            let is_far = l.lt(near, l.load(&row.distances));
-            row.near = !l.bits(is_far) as u16;
-        }
+        search.note_near(l, (NEAR * PLANE * U32 * self.size) as f32);
     }
 }
 
-impl PlaneRow {
+/// The planes so far, and how far the nearest is in each lane.
+struct Search<'a, L: Lanes> {
+    planes: &'a mut Planes,
+    nearest: L::F,
+}
+
+impl<L: Lanes> Search<'_, L> {
+    /// Adds sixteen planes, of a row of faces or edges.
     #[inline(always)]
-    fn stored<L: Lanes>(
+    fn add(&mut self, l: L, distance: L::F, axis: Option<u8>, row: usize) {
+        self.nearest = l.min(self.nearest, distance);
+        let way = self.planes.ways.len() as u8;
+        let row = PlaneRow { distances: Row::default(), near: 0, axis, row: row as u8, way };
+        self.planes.rows.push(row);
+        if let Some(row) = self.planes.rows.last_mut() {
+            l.store(distance, &mut row.distances);
+        }
+    }
+
+    /// Adds the planes of edges and the body's edges along an axis, if there are any.
+    #[inline(always)]
+    fn add_products<const AXIS: usize, const AXES: usize>(
+        &mut self,
         l: L,
-        distance: L::F,
-        axis: Option<u8>,
-        (row, way): (usize, usize),
-    ) -> Self {
-        let mut distances = Row::default();
-        l.store(distance, &mut distances);
-        Self { distances, near: 0, axis, row: row as u8, way: way as u8 }
+        edges: &Edges<L>,
+        (sides, way): (&Sides<L, AXES>, &Way),
+        row: usize,
+    ) {
+        if way.open(AXIS) != 0 {
+            let distance = edges.distance::<AXIS, AXES>(l, sides);
+            self.add(l, distance, Some(AXIS as u8), row);
+        }
+    }
+
+    /// Notes which planes are at most so much farther than the nearest.
+    #[inline(always)]
+    fn note_near(&mut self, l: L, farther: f32) {
+        self.planes.nearest = -l.largest(l.neg(self.nearest));
+        let most = l.splat(self.planes.nearest + farther);
+        for row in &mut *self.planes.rows {
+            row.near = !l.bits(l.lt(most, l.load(&row.distances))) as u16;
+        }
     }
 }
 
@@ -340,13 +379,12 @@ impl<L: Lanes, const AXES: usize> Sides<L, AXES> {
 
     /// Where the corner is along one axis while it changes sides along another.
     #[inline(always)]
-    fn at(&self, l: L, axis: usize, along: usize) -> L::F {
-        let [left, right] = [self.at[0][axis], self.at[1][axis]];
-        let [next, _] = others(axis);
-        if next == along {
-            l.select(self.before[axis], right, left)
+    fn at<const AXIS: usize, const ALONG: usize>(&self, l: L) -> L::F {
+        let [left, right] = [self.at[0][AXIS], self.at[1][AXIS]];
+        if others(AXIS)[0] == ALONG {
+            l.select(self.before[AXIS], right, left)
         } else {
-            l.select(self.before[along], left, right)
+            l.select(self.before[ALONG], left, right)
         }
     }
 }
@@ -379,18 +417,22 @@ impl<L: Lanes> Edges<L> {
     /// At least how far the planes of the edges and the body's edges along an axis are, but for what [`PLANE`] counts; infinitely
     /// far where there is none.
     #[inline(always)]
-    fn distance<const AXES: usize>(&self, l: L, axis: usize, sides: &Sides<L, AXES>) -> L::F {
+    fn distance<const AXIS: usize, const AXES: usize>(&self, l: L, sides: &Sides<L, AXES>) -> L::F {
         let Self { edge, from, lost } = self;
-        let [j, k] = others(axis);
+        let [j, k] = others(AXIS);
         let square = l.mul_add(edge[j], edge[j], l.mul(edge[k], edge[k]));
         let (mut from_j, mut from_k) = (from[j], from[k]);
         if AXES == 3 {
-            from_j = l.sub(from_j, sides.at(l, j, axis));
-            from_k = l.sub(from_k, sides.at(l, k, axis));
+            let [at_j, at_k] = match AXIS {
+                0 => [sides.at::<1, 0>(l), sides.at::<2, 0>(l)],
+                1 => [sides.at::<2, 1>(l), sides.at::<0, 1>(l)],
+                _ => [sides.at::<0, 2>(l), sides.at::<1, 2>(l)],
+            };
+            (from_j, from_k) = (l.sub(from_j, at_j), l.sub(from_k, at_k));
         }
         // The product with the axis, by what leads from the one edge to the other.
         let product = l.sub(l.mul(edge[k], from_j), l.mul(edge[j], from_k));
-        let [left, right] = [sides.is_above[0][axis], sides.is_above[1][axis]];
+        let [left, right] = [sides.is_above[0][AXIS], sides.is_above[1][AXIS]];
         let product = l.select(left, l.neg(product), product);
         let distance = l.div(l.sub(product, *lost), l.sqrt(square));
         // Written so that a product of no length, or of NaN, proves nothing.
@@ -405,20 +447,4 @@ impl<L: Lanes> Edges<L> {
 #[inline(always)]
 pub(super) fn others(axis: usize) -> [usize; 2] {
     [[1, 2], [2, 0], [0, 1]][axis]
-}
-
-/// Takes in how the lowest corner goes along [`EDGES`].
-#[inline(always)]
-fn add_round(way: &Way, rows: &FeatureRows, row: usize, rounds: &mut [Round; EDGES.len()]) {
-    for (round, (axis, is_above)) in rounds.iter_mut().zip(EDGES) {
-        let mut here = way.open(axis);
-        for k in others(axis) {
-            let above = way.above(k, axis);
-            here &= if is_above[k] { above } else { !above };
-        }
-        if here != 0 {
-            let back = way.left[axis];
-            round.add(rows, row, [here & !back, here & back].map(u32::from));
-        }
-    }
 }

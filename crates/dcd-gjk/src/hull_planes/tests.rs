@@ -1,6 +1,6 @@
 //! The judges are the certified depth, which searches, and the reach along many directions.
 
-use super::lanes::others;
+use super::lanes::{Way, others};
 use super::*;
 use crate::motion::tests::Draw;
 use crate::{Depths, PairSolver, Verdict};
@@ -170,6 +170,27 @@ fn no_direction_parts_them_sooner_and_every_path_has_the_same_planes() {
         }
     }
     assert!(inside > 300, "{inside}");
+}
+
+#[test]
+fn a_way_takes_the_edges_that_lie_on_its_sides() {
+    let mut draw = Draw(14);
+    for k in 0..1000 {
+        let mut sets = [0u16; 9];
+        sets.iter_mut().for_each(|set| *set = (draw.vector().x.abs() * 60000.0) as u16);
+        let [a, b, c, d, e, f, g, h, i] = sets;
+        let way = Way { left: [a, b, c], right: [d, e, f], before: [g, h, i] };
+        for ((axis, due), (lanes, back)) in EDGES.into_iter().zip(way.taken()) {
+            for lane in 0..16 {
+                let is_above = way.sides(axis, lane);
+                let [is_taken, is_back] = [lanes, back].map(|set| set >> lane & 1 != 0);
+                let is_open = way.open(axis) >> lane & 1 != 0;
+                let is_due = is_open && others(axis).iter().all(|&k| is_above[k] == due[k]);
+                assert_eq!(is_taken, is_due, "{k}: {axis} {lane}");
+                assert_eq!(is_back, !is_above[axis], "{k}: {axis} {lane}");
+            }
+        }
+    }
 }
 
 #[test]
