@@ -1,6 +1,6 @@
 //! Two convex shapes of which nothing is known but that they touch.
 
-use super::corners::{Corners, is_sphere};
+use super::corners::Corners;
 use super::on_plane::Resting;
 use super::one_point::{in_one_point, of_one_point, of_sphere};
 use super::patch_writer::PatchWriter;
@@ -8,6 +8,7 @@ use super::{
     Manifold, ManifoldContacts, ManifoldSet, Manifolds, Scratch, write_by_corners,
     write_of_polytopes,
 };
+use crate::closed::is_sphere;
 use crate::epa::Depth;
 use crate::query::{Accuracy, FoundDepth, MeasureAt, depths};
 use crate::{ContactList, PosedShape, Verdict, closed};
@@ -63,7 +64,7 @@ pub(super) fn of_depth(
 ) -> Verdict<ManifoldSet> {
     let (only, lowest) = match known {
         Known::Nothing => (in_one_point(depth, [a, b]), None),
-        Known::Lowest(lowest) => (in_one_point(depth, [a, b]), lowest),
+        Known::Lowest(lowest) => (of_sphere(depth, [a, b], None), lowest),
         Known::Outward(outward) => (of_sphere(depth, [a, b], Some(outward)), None),
     };
     if let Some(only) = only {

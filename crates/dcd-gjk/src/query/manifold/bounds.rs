@@ -2,7 +2,7 @@
 
 use crate::PosedShape;
 use crate::epa::Depth;
-use dcd_geom::{Shape, SupportMap};
+use dcd_geom::{Shape, SupportMap, Vector};
 
 /// How flat the faces are, and how far two parallel edges may lean, as a part of the error bound;
 /// relative to the shapes' size.
@@ -19,14 +19,17 @@ const PLACED: f64 = 16.0 * f64::EPSILON;
 pub(super) const TURNED: f64 = 4.0;
 
 /// The bound of a manifold of shapes so large, without what is swept round them.
+#[inline]
 pub(super) fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) -> f64 {
-    let far = a.pose.translation().length() + b.pose.translation().length();
+    // At least their lengths, without roots.
+    let far = a.pose.translation().norm1() + b.pose.translation().norm1();
     let turned = turned_by(a.pose.deviation() + b.pose.deviation(), (depth, size, [a, b]));
     let rounded = PLACED * (distance_from_origin(a.shape) + distance_from_origin(b.shape));
     (depth.error_bound + FLAT * size + turned + 8.0 * f64::EPSILON * far + rounded).min(f64::MAX)
 }
 
 /// How far a corner of a shape may be from the origin of its own frame, metres; of a half-space, how far its plane is.
+#[inline]
 fn distance_from_origin(shape: &Shape) -> f64 {
     match shape {
         Shape::HalfSpace(half_space) => half_space.offset().abs(),
@@ -35,6 +38,7 @@ fn distance_from_origin(shape: &Shape) -> f64 {
 }
 
 /// How far points of a manifold may be off for what poses are off rotations by, the sum of both: metres.
+#[inline]
 pub(super) fn turned_by(
     deviation: f64,
     (depth, size, [a, b]): (&Depth, f64, [PosedShape<'_>; 2]),
@@ -44,6 +48,7 @@ pub(super) fn turned_by(
 }
 
 /// The largest radius that is swept round a shape, or a part of it: metres.
+#[inline]
 fn swept_round(shape: &Shape) -> f64 {
     match shape {
         Shape::Compound(compound) => compound.swept_radius(),

@@ -11,6 +11,7 @@ use super::{
 };
 use super::{cuboid_polygon, cuboids, hull_pair, on_plane};
 use crate::PosedShape;
+use crate::closed::is_sphere;
 use crate::epa::Depth;
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
 use dcd_geom::{Kind, Polytope, Shape, SupportMap};
@@ -361,10 +362,6 @@ pub(super) fn of_sphere(
     let sphere = Feature::Vertex(0);
     let features = if is_sphere(a) { [sphere, own] } else { [own, sphere] };
     Some(OfSphere { features, size: 2.0 * (size(a.shape) + size(b.shape)) })
-}
-
-pub(super) fn is_sphere(side: PosedShape<'_>) -> bool {
-    matches!(side.shape, Shape::Polytope(polytope) if polytope.kind() == Kind::Point)
 }
 
 /// Whether two parts surely have no corners in common: a vertex shares none, nor do edges that cross.

@@ -4,10 +4,11 @@
 //! The same manifolds as those of the parts as they are placed, to within what few_parts moves these by, which is in
 //! their bounds.
 
-use super::corners::{Corners, is_sphere};
+use super::corners::Corners;
 use super::feature::View;
 use super::parts::{ALIKE, NEAR};
 use super::{Feature, Manifold, ManifoldSet, Scratch, few_on_plane, turned_by, write_of_two};
+use crate::closed::is_sphere;
 use crate::epa::Depth;
 use crate::query::Accuracy;
 use crate::query::few_parts::{self, Couple, Framed, Wanted};

@@ -6,6 +6,7 @@ use super::cuboids;
 use super::facing::Part;
 use super::feature::surely_cross;
 use super::{Feature, Manifold, ManifoldPoint, ManifoldSet, bound_of_witnesses};
+use crate::closed::is_sphere;
 use crate::epa::Depth;
 use crate::{PosedShape, Verdict};
 use dcd_geom::glam::DVec3;
@@ -18,7 +19,7 @@ pub(super) fn in_one_point(
     depth: &Depth,
     [a, b]: [PosedShape<'_>; 2],
 ) -> Option<([Feature; 2], f64)> {
-    if corners::is_sphere(a) && corners::is_sphere(b) {
+    if is_sphere(a) && is_sphere(b) {
         return Some(([Feature::Vertex(0); 2], depth.error_bound));
     }
     of_sphere(depth, [a, b], None).or_else(|| of_capsule(depth, [a, b]))
@@ -81,7 +82,7 @@ pub(super) fn of_sphere(
     outward: Option<DVec3>,
 ) -> Option<([Feature; 2], f64)> {
     let is_half_space = |side: PosedShape<'_>| matches!(side.shape, Shape::HalfSpace(_));
-    match [corners::is_sphere(a), corners::is_sphere(b)] {
+    match [is_sphere(a), is_sphere(b)] {
         [false, false] => None,
         [true, false] if is_half_space(b) => {
             Some(([Feature::Vertex(0), Feature::Surface], depth.error_bound))

@@ -8,7 +8,7 @@
 mod faces;
 
 use super::gap::Gap;
-use super::{SIZES, UNIT};
+use super::{SIZES, UNIT, is_sphere};
 use crate::epa::Depth;
 use crate::query::Accuracy;
 use crate::{DistanceResult, PosedShape, Verdict};
@@ -222,8 +222,6 @@ pub(crate) fn gap_and_outward(
     b: PosedShape<'_>,
 ) -> Option<(Gap, DVec3)> {
     let most = largest_deviation(accuracy)?;
-    let is_sphere =
-        |side: PosedShape<'_>| matches!(side.shape, Shape::Polytope(p) if p.kind() == Kind::Point);
     let swapped = !is_sphere(a);
     let (sphere, other) = if swapped { (b, a) } else { (a, b) };
     let core = Core::of(accuracy, other.shape)?;

@@ -100,8 +100,17 @@ pub(crate) fn gap(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> O
     if let (Shape::HalfSpace(_), _) | (_, Shape::HalfSpace(_)) = (a.shape, b.shape) {
         return level::gap_of(accuracy, a, b);
     }
-    let found = centred::gap_of(accuracy, a, b);
-    if found.is_none() && accuracy == Accuracy::F32 { capsules::gap_of(a, b) } else { found }
+    match accuracy {
+        _ if is_sphere(a) || is_sphere(b) => centred::gap_of(accuracy, a, b),
+        Accuracy::F32 => capsules::gap_of(a, b),
+        _ => None,
+    }
+}
+
+/// Whether it is a sphere, wherever its centre is.
+#[inline(always)]
+pub(crate) fn is_sphere(side: PosedShape<'_>) -> bool {
+    matches!(side.shape, Shape::Polytope(polytope) if polytope.kind() == Kind::Point)
 }
 
 /// How deep two polytopes that touch overlap, if a formula proves it with a bound of at most `sharp` times
