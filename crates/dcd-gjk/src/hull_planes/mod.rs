@@ -1,4 +1,5 @@
-//! A solid hull against a capsule or cuboid, rounded or not, by the planes of their cores' difference: how deep they overlap
+//! A solid hull against a capsule or cuboid, rounded or not, by the planes of their cores' difference: whether they are apart, and
+//! how deep they overlap
 //! (docs/numerics/proofs.md, "a hull and a cuboid").
 
 mod features;
@@ -7,6 +8,7 @@ mod round;
 mod witness;
 
 use crate::PosedShape;
+use crate::closed::ByFormula;
 use crate::epa::Depth;
 use crate::query::{Accuracy, tolerance};
 use dcd_geom::glam::{DMat3, DVec3};
@@ -38,41 +40,51 @@ const REACH: f64 = 16.0;
 /// What the direction of a product of an edge with an axis loses in f64. Unit: u of the edge's length by the product's.
 const LEAN: f64 = 16.0;
 
-/// How deep a hull and a capsule or cuboid overlap whose cores do, if with a bound that is good enough for the accuracy. `None`
-/// of others, and where the planes do not say.
+/// What is known of a hull and a capsule or cuboid, from a to b, with a bound that is good enough for the accuracy. `None` of
+/// others, and where the planes do not say.
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
-pub(crate) fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
-    let [relative, of_size] = tolerance(accuracy);
+pub(crate) fn measure(
+    accuracy: Accuracy,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+) -> Option<ByFormula> {
     let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) else { return None };
     let is_body =
         |polytope: &Polytope| matches!(polytope.kind(), Kind::Segment | Kind::Cuboid { .. });
-    let (found, size) = match (in_a.kind(), in_b.kind()) {
-        (Kind::Hull, _) if is_body(in_b) => depth_of((in_a, a), (in_b, b))?,
+    match (in_a.kind(), in_b.kind()) {
+        (Kind::Hull, _) if is_body(in_b) => measure_from(accuracy, (in_a, a), (in_b, b)),
         (_, Kind::Hull) if is_body(in_a) => {
-            let (found, size) = depth_of((in_b, b), (in_a, a))?;
-            (found.mirrored(), size)
+            Some(match measure_from(accuracy, (in_b, b), (in_a, a))? {
+                ByFormula::Deep(found) => ByFormula::Deep(found.mirrored()),
+                apart => apart,
+            })
         }
-        _ => return None,
-    };
-    (found.error_bound <= (relative * found.depth).max(of_size * size)).then_some(found)
+        _ => None,
+    }
 }
 
-/// From a hull to a capsule or cuboid, and the pair's size.
-fn depth_of(
+/// From a hull to a capsule or cuboid.
+fn measure_from(
+    accuracy: Accuracy,
     (hull, side): (&Polytope, PosedShape<'_>),
     (other, at): (&Polytope, PosedShape<'_>),
-) -> Option<(Depth, f64)> {
+) -> Option<ByFormula> {
     let placed = Placed::of((hull, side), (other, at))?;
     let least = placed.least()?;
     let radius = hull.swept_radius() + other.swept_radius();
     let rounding = REACH * U64 * (placed.size + radius);
+    let reach = placed.reach(least.outward);
+    // Along any direction this is true.
+    let gap = -(reach + radius + rounding + placed.off);
+    if gap > 0.0 {
+        return Some(ByFormula::Apart(gap));
+    }
     let at_least = least.at_least - rounding - placed.hull.rows.normal_error() * placed.size;
     // Of cores that do not meet, the planes do not bound what the radii overlap. Written so that NaN is none.
     if !(at_least > placed.off) {
         return None;
     }
-    let reach = placed.reach(least.outward);
     let (at_hull, beside) = placed.witness(least.feature?, least.outward, reach)?;
     let depth = reach + radius;
     let error_bound = (reach - at_least).max(0.0) + placed.off + beside + rounding;
@@ -81,8 +93,11 @@ fn depth_of(
     let at_hull = *turn * (at_hull + hull.inner().centre) + normal * hull.swept_radius();
     let point_a = side.pose.translation() + at_hull;
     let point_b = side.pose.translation() + (at_hull - normal * depth);
-    let is_finite = depth.is_finite() && error_bound.is_finite();
-    is_finite.then_some((Depth { depth, normal, point_a, point_b, error_bound }, placed.size))
+    let [relative, of_size] = tolerance(accuracy);
+    // False for NaN and where a depth is infinite.
+    let is_good = error_bound <= (relative * depth).max(of_size * placed.size);
+    let found = Depth { depth, normal, point_a, point_b, error_bound };
+    (is_good && depth.is_finite()).then_some(ByFormula::Deep(found))
 }
 
 /// The core of a capsule or cuboid in the frame of a hull, from its centre.

@@ -3,7 +3,7 @@
 use super::lanes::{Way, others};
 use super::*;
 use crate::motion::tests::Draw;
-use crate::{Depths, PairSolver, Verdict};
+use crate::{Depths, DistanceResult, PairSolver, Verdict, distance::distance};
 use dcd_geom::glam::DQuat;
 use dcd_geom::{Pose, SupportMap};
 
@@ -51,6 +51,18 @@ fn check(found: &Depth, sides: [PosedShape<'_>; 2], slack: f64, what: usize) {
             let d = draw.vector().normalize();
             let most = d.dot(SupportMap::<f64>::support(map, d).point) + map.swept_radius();
             assert!(d.dot(point) - most <= found.error_bound + slack, "{what}: {found:?}");
+        }
+    }
+}
+
+fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
+    match measure(accuracy, a, b)? {
+        ByFormula::Deep(found) => Some(found),
+        ByFormula::Apart(gap) => {
+            // That they are apart is what the certified search finds too.
+            let DistanceResult::Apart(due) = distance(a, b).0 else { panic!("{gap}") };
+            assert!(gap <= due.distance + due.error_bound, "{gap} {due:?}");
+            None
         }
     }
 }

@@ -49,13 +49,19 @@ pub trait MeasureDepth: MeasureAt {
         scratch: &mut Self::Scratch,
     ) -> Verdict<Self::Answer>;
 
-    /// The same for two spheres, of which nothing else need be known, over a default answer.
-    fn measure_spheres(&self, depth: &Depth, answer: &mut Self::Answer);
+    /// The same for two spheres, of which nothing need be known but how far the depth's witnesses may be off them, metres: over
+    /// a default answer.
+    fn measure_spheres(&self, depth: &Depth, off_surface: f64, answer: &mut Self::Answer);
 
     /// Adds a contact with that answer.
-    fn push_spheres(&self, pair: Pair, depth: &Depth, contacts: &mut ContactsOf<Self::Answer>) {
+    fn push_spheres(
+        &self,
+        pair: Pair,
+        (depth, off_surface): (&Depth, f64),
+        contacts: &mut ContactsOf<Self::Answer>,
+    ) {
         let mut answer = Self::Answer::default();
-        self.measure_spheres(depth, &mut answer);
+        self.measure_spheres(depth, off_surface, &mut answer);
         contacts.push(Contact { pair, answer });
     }
 

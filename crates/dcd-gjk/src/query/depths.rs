@@ -1,10 +1,10 @@
 //! How deep touching pairs overlap.
 
 use super::{Accuracy, FoundPair, MeasureAt, MeasureDepth, few_parts, open_triangles, sampled};
-use crate::closed::{self, half_space};
+use crate::closed::{self, ByFormula, half_space};
 use crate::epa::{self, Depth};
 use crate::hull_planes;
-use crate::mesh::{Effort, KnownParts, OfTriangle, PartPair};
+use crate::mesh::{Effort, KnownParts, PartPair};
 use crate::{
     Contact, Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, expanding,
     mesh, order,
@@ -116,12 +116,17 @@ impl MeasureDepth for Depths {
     }
 
     #[inline]
-    fn measure_spheres(&self, depth: &Depth, answer: &mut Depth) {
+    fn measure_spheres(&self, depth: &Depth, _: f64, answer: &mut Depth) {
         *answer = *depth;
     }
 
     #[inline(always)]
-    fn push_spheres(&self, pair: Pair, depth: &Depth, contacts: &mut Vec<Contact<Depth>>) {
+    fn push_spheres(
+        &self,
+        pair: Pair,
+        (depth, _): (&Depth, f64),
+        contacts: &mut Vec<Contact<Depth>>,
+    ) {
         contacts.push(Contact { pair, answer: *depth });
     }
 
@@ -207,12 +212,12 @@ pub(super) fn without_frame(
         return Verdict::Touching(found);
     }
     if accuracy == Accuracy::F32
-        && let Some(OfTriangle::Deep(found)) = mesh::of_triangle(a, b, tolerance(accuracy))
+        && let Some(ByFormula::Deep(found)) = mesh::of_triangle(a, b, tolerance(accuracy))
     {
         return Verdict::Touching(found);
     }
     if accuracy != Accuracy::Certified
-        && let Some(found) = hull_planes::depth(accuracy, a, b)
+        && let Some(ByFormula::Deep(found)) = hull_planes::measure(accuracy, a, b)
     {
         return Verdict::Touching(found);
     }

@@ -18,6 +18,11 @@ const PLACED: f64 = 16.0 * f64::EPSILON;
 /// points off their surfaces by more than the bound. (docs/numerics/proofs.md, "manifolds")
 pub(super) const TURNED: f64 = 4.0;
 
+/// How far shapes are from the origins of their own frames, by their size, for the witnesses of a depth to be off their surfaces
+/// by no more than it is: at f32 these are known as well as the frame's coordinates. Larger: points of shapes farther from there
+/// off their surfaces by more than the bound.
+const FAR: f64 = 8.0;
+
 /// The bound of a manifold of shapes so large, without what is swept round them.
 #[inline]
 pub(super) fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) -> f64 {
@@ -64,7 +69,9 @@ fn swept_round(shape: &Shape) -> f64 {
 pub(super) fn bound_of_witnesses(depth: &Depth, size: f64, sides: [PosedShape<'_>; 2]) -> f64 {
     let are_polytopes = sides.iter().all(|side| side.shape.as_polytope().is_some());
     let lacking = if are_polytopes { missed_along(depth) } else { missed(depth) };
-    (bound_of(depth, size, sides) + lacking).min(f64::MAX)
+    let far = sides.iter().map(|side| distance_from_origin(side.shape)).sum::<f64>();
+    let off = if far > FAR * size { 2.0 * depth.error_bound } else { 0.0 };
+    (bound_of(depth, size, sides) + lacking + off).min(f64::MAX)
 }
 
 /// How far the witnesses of a depth are from differing by it along its normal, metres: where cores hardly overlap, the

@@ -250,16 +250,23 @@ impl MeasureDepth for Manifolds {
     }
 
     #[inline(always)]
-    fn measure_spheres(&self, depth: &Depth, answer: &mut ManifoldSet) {
+    fn measure_spheres(&self, depth: &Depth, off_surface: f64, answer: &mut ManifoldSet) {
         answer.write_one(|found| {
             write_one_point(depth, OF_SPHERES, found);
+            found.error_bound += off_surface;
             true
         });
     }
 
     #[inline(always)]
-    fn push_spheres(&self, pair: Pair, depth: &Depth, contacts: &mut ManifoldContacts) {
-        contacts.push_one_point(pair, depth, OF_SPHERES);
+    fn push_spheres(
+        &self,
+        pair: Pair,
+        (depth, off_surface): (&Depth, f64),
+        contacts: &mut ManifoldContacts,
+    ) {
+        let error_bound = depth.error_bound + off_surface;
+        contacts.push_one_point(pair, &Depth { error_bound, ..*depth }, OF_SPHERES);
     }
 
     fn measure_polytopes(

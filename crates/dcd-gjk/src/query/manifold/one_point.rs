@@ -5,7 +5,7 @@ use super::corners::{self, OfSphere};
 use super::cuboids;
 use super::facing::Part;
 use super::feature::surely_cross;
-use super::{Feature, Manifold, ManifoldPoint, ManifoldSet, bound_of_witnesses};
+use super::{Feature, Manifold, ManifoldPoint, ManifoldSet, bound_of, bound_of_witnesses};
 use crate::closed::is_sphere;
 use crate::epa::Depth;
 use crate::{PosedShape, Verdict};
@@ -20,7 +20,7 @@ pub(super) fn in_one_point(
     [a, b]: [PosedShape<'_>; 2],
 ) -> Option<([Feature; 2], f64)> {
     if is_sphere(a) && is_sphere(b) {
-        return Some(([Feature::Vertex(0); 2], depth.error_bound));
+        return Some(([Feature::Vertex(0); 2], bound_of(depth, 0.0, [a, b])));
     }
     of_sphere(depth, [a, b], None).or_else(|| of_capsule(depth, [a, b]))
 }
@@ -85,10 +85,10 @@ pub(super) fn of_sphere(
     match [is_sphere(a), is_sphere(b)] {
         [false, false] => None,
         [true, false] if is_half_space(b) => {
-            Some(([Feature::Vertex(0), Feature::Surface], depth.error_bound))
+            Some(([Feature::Vertex(0), Feature::Surface], bound_of(depth, 0.0, [a, b])))
         }
         [false, true] if is_half_space(a) => {
-            Some(([Feature::Surface, Feature::Vertex(0)], depth.error_bound))
+            Some(([Feature::Surface, Feature::Vertex(0)], bound_of(depth, 0.0, [a, b])))
         }
         _ => {
             let OfSphere { features, size } = corners::of_sphere(depth.normal, [a, b], outward)?;

@@ -36,7 +36,7 @@ pub(crate) use near_features::{
 pub(crate) use segments::{PosedCore, depth_of_cores, overlap_of_cores};
 pub(crate) use spheres::{
     PlacedSphere, compare_squares, depth_of_spheres, depth_of_two_spheres, distance_of_spheres,
-    distance_within, spheres_are_beyond,
+    distance_within, off_surface, spheres_are_beyond,
 };
 pub(crate) use triangles::nearest as nearest_of_triangle;
 pub(crate) use upright_depth::depth as upright_depth;
@@ -105,6 +105,13 @@ pub(crate) fn gap(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> O
         Accuracy::F32 => capsules::gap_of(a, b),
         _ => None,
     }
+}
+
+/// What a formula finds of two convex shapes.
+pub(crate) enum ByFormula {
+    /// They are at least so far apart: metres, above 0.
+    Apart(f64),
+    Deep(Depth),
 }
 
 /// Whether it is a sphere, wherever its centre is.

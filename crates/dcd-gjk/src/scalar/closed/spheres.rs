@@ -10,7 +10,7 @@ use crate::epa::Depth;
 use crate::simplex::Scalar;
 use crate::{Distance, DistanceResult, PosedShape, PosedSupport, Verdict};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Polytope, Shape};
+use dcd_geom::{Polytope, Shape, Vector};
 use dcd_simd::Lanes;
 
 /// What the computed distance of two centres may be off by. Unit: u, relative. A square loses 2u and what its
@@ -23,6 +23,10 @@ const LONG_LENGTH: f64 = 8.0;
 /// How far a bound in double-double may leave a distance or depth open, relative to itself: what is promised of a
 /// certified distance. Smaller: pairs that all but touch are left to longer numbers.
 const LONG_SHARP: f64 = 1e-12;
+
+/// What a witness loses of its sphere's radius. Unit: u of the radius. The normal's length 6, the product 1. Smaller: manifolds
+/// whose points are off their surfaces by more than the bound.
+const SURFACE: f64 = 8.0;
 
 /// A sphere in the world, metres.
 #[derive(Clone, Copy, Debug)]
@@ -171,6 +175,13 @@ pub(crate) fn depth_of_spheres(spheres: [PlacedSphere; 2], sharp: f64) -> Option
         let (normal, point_a, point_b) = spheres.witnesses();
         Depth { depth: -value, normal, point_a, point_b, error_bound: error }
     })
+}
+
+/// How far the witnesses of a depth may be off their spheres, in world coordinates: metres.
+#[inline(always)]
+pub(crate) fn off_surface([a, b]: [PlacedSphere; 2]) -> f64 {
+    // A point is no farther than its centre and the radius.
+    UNIT * ((SURFACE + 1.0) * (a.radius + b.radius) + 2.0 * (a.centre.norm1() + b.centre.norm1()))
 }
 
 /// [`depth_of_spheres`] of shapes; `None` of others.

@@ -44,10 +44,10 @@ pub(super) trait WriteDepth {
 impl<S: MeasureDepth> Answers<'_, S> {
     /// Writes the answer of two spheres of that depth.
     #[inline(always)]
-    pub(super) fn write_spheres(&mut self, number: u32, depth: &Depth) {
+    pub(super) fn write_spheres(&mut self, number: u32, depth: &Depth, off_surface: f64) {
         let Contacts { solver, contacts, first, .. } = &mut self.to;
         contacts.write(*first + number as usize, |answer| {
-            solver.measure_spheres(depth, answer);
+            solver.measure_spheres(depth, off_surface, answer);
             true
         });
     }

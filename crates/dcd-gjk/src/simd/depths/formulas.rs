@@ -40,7 +40,9 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
         for (number, &pair) in (0..).zip(pairs) {
             if let Some(spheres) = frames.spheres(pair) {
                 match closed::depth_of_spheres(spheres, sharp) {
-                    Some(depth) => answers.write_spheres(number, &depth),
+                    Some(depth) => {
+                        answers.write_spheres(number, &depth, closed::off_surface(spheres));
+                    }
                     None => answers.to.left.push(number),
                 }
             } else if are_cuboids(frames, pair) {
@@ -80,7 +82,7 @@ impl<S: MeasureDepth> MeasureSpheres for BySpheres<'_, S> {
         let Some(depth) = closed::depth_of_spheres(spheres, closed::sharp_of(*accuracy)) else {
             return false;
         };
-        solver.push_spheres(pair, &depth, contacts);
+        solver.push_spheres(pair, (&depth, closed::off_surface(spheres)), contacts);
         true
     }
 
