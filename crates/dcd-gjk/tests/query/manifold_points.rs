@@ -2,7 +2,7 @@
 //! its own surface, and as deep as the manifold says.
 
 use super::PosedSupport;
-use super::patches::grid;
+use super::patches::{grid, off_surface};
 use super::scenes::Draw;
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Pose, Shape};
@@ -265,4 +265,83 @@ fn so_are_the_points_of_a_scenes_manifolds_and_its_depths() {
         }
     }
     assert!(manifolds > 4_000 && depths > 4_000 && faces > 2_000, "{manifolds} {depths} {faces}");
+}
+
+#[test]
+fn points_of_balls_far_from_the_worlds_origin_are_within_their_bound() {
+    let (mut draw, mut judged) = (Draw::seeded(29), 0);
+    for k in 0..600usize {
+        let radii = [0.5, 0.5 + draw.vector().x.abs()];
+        let place = draw.vector() * [1.0, 10.0, 100.0, 1e6][k % 4];
+        let centres = [place, place + draw.vector().normalize() * 0.7];
+        let shapes = radii.map(|radius| Shape::sphere(radius).unwrap());
+        let poses = centres.map(|centre| Pose::from_translation(centre).unwrap());
+        let judge = |manifold: &Manifold, what: &str| {
+            let only = manifold.points()[0];
+            for (point, (centre, radius)) in
+                [(only.point_a, 0), (only.point_b, 1)].map(|(p, k)| (p, (centres[k], radii[k])))
+            {
+                // The difference of neighbours far away loses nothing.
+                let off = (point.distance(centre) - radius).abs();
+                assert!(
+                    off <= manifold.error_bound + 4.0 * f64::EPSILON,
+                    "{k}, {what}: {off} {manifold:?}"
+                );
+            }
+        };
+        for accuracy in ACCURACIES {
+            let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+            let found = Manifolds::default().measure_at(accuracy, a, b, &mut Default::default());
+            let Verdict::Touching(found) = found else { panic!("{k}") };
+            judge(&found[0], "alone");
+            let scene = Scene::one_each(shapes.to_vec(), poses.to_vec()).unwrap();
+            let narrow = SimdDepths::new(Manifolds::default(), accuracy);
+            let mut pipeline = Pipeline::with(WideTree::default(), narrow);
+            for found in pipeline.step(&scene, Par::Serial).answers() {
+                judge(&found.answer[0], "in a scene");
+                judged += 1;
+            }
+        }
+    }
+    assert_eq!(judged, 1800);
+}
+
+#[test]
+fn points_of_shapes_far_from_their_own_origin_are_within_their_bound() {
+    let (mut draw, mut judged) = (Draw::seeded(31), 0);
+    for k in 0..400usize {
+        // Whole numbers, to which small ones are added without a rounding.
+        let own = (draw.vector() * [0.0, 1e8, 1e9, 1e10][k % 4]).round();
+        let mut near = |count: usize| -> Vec<DVec3> {
+            let point = |_| (draw.vector() * 1024.0).round() / 1024.0 * 0.5;
+            (0..count).map(point).collect()
+        };
+        let vertices = [near(12), near([12, 3, 2][k / 4 % 3])];
+        let made = |vertices: &[DVec3], from: DVec3| {
+            let vertices: Vec<DVec3> = vertices.iter().map(|v| *v + from).collect();
+            match vertices[..] {
+                [p, q, r] => Shape::triangle([p, q, r]),
+                [p, q] => Shape::segment(p, q).and_then(|core| core.swept(0.25)),
+                _ => Shape::hull(vertices),
+            }
+        };
+        let far = vertices.each_ref().map(|all| made(all, own).unwrap());
+        let here = vertices.each_ref().map(|all| made(all, DVec3::ZERO).unwrap());
+        for accuracy in ACCURACIES {
+            let [a, b] = [0, 1].map(|k| PosedShape { shape: &far[k], pose: &Pose::IDENTITY });
+            let found = Manifolds::default().measure_at(accuracy, a, b, &mut Default::default());
+            let Verdict::Touching(found) = found else { continue };
+            for point in found[0].points() {
+                for (point, shape) in [(point.point_a, &here[0]), (point.point_b, &here[1])] {
+                    let off = off_surface(point - own, shape, &Pose::IDENTITY);
+                    assert!(
+                        off <= found[0].error_bound + ROUNDING,
+                        "{k} {accuracy:?}: {off} {found:?}"
+                    );
+                    judged += 1;
+                }
+            }
+        }
+    }
+    assert!(judged > 1_000, "{judged}");
 }

@@ -37,7 +37,7 @@ pub(super) fn of_convex<T>(
         if let Some(found) = gap.depth() {
             return answer(&found, Known::Lowest(lowest), corners);
         }
-    } else if (is_sphere(a) || is_sphere(b))
+    } else if is_sphere(a) != is_sphere(b)
         && let Some((gap, outward)) = closed::centred::gap_and_outward(accuracy, a, b)
     {
         if let Some(found) = gap.depth() {

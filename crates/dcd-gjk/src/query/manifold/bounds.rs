@@ -28,17 +28,22 @@ const FAR: f64 = 8.0;
 pub(super) fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) -> f64 {
     // At least their lengths, without roots.
     let far = a.pose.translation().norm1() + b.pose.translation().norm1();
-    let turned = turned_by(a.pose.deviation() + b.pose.deviation(), (depth, size, [a, b]));
-    let rounded = PLACED * (distance_from_origin(a.shape) + distance_from_origin(b.shape));
-    (depth.error_bound + FLAT * size + turned + 8.0 * f64::EPSILON * far + rounded).min(f64::MAX)
+    let deviation = a.pose.deviation() + b.pose.deviation();
+    let ([reach_a, radius_a], [reach_b, radius_b]) = (extent(a.shape), extent(b.shape));
+    let turned = TURNED * deviation * (size + radius_a + radius_b + depth.depth);
+    let rounded = PLACED * (reach_a + reach_b) + 8.0 * f64::EPSILON * far;
+    (depth.error_bound + FLAT * size + turned + rounded).min(f64::MAX)
 }
 
-/// How far a corner of a shape may be from the origin of its own frame, metres; of a half-space, how far its plane is.
-#[inline]
-fn distance_from_origin(shape: &Shape) -> f64 {
+/// How far a point of a shape may be from the origin of its own frame, of a half-space how far its plane is; and the largest
+/// radius that is swept round the shape, or a part of it: metres.
+#[inline(always)]
+fn extent(shape: &Shape) -> [f64; 2] {
     match shape {
-        Shape::HalfSpace(half_space) => half_space.offset().abs(),
-        other => other.reach(),
+        Shape::Polytope(core) => [core.reach() + core.swept_radius(), core.swept_radius()],
+        Shape::HalfSpace(half_space) => [half_space.offset().abs(), 0.0],
+        Shape::Compound(compound) => [compound.reach(), compound.swept_radius()],
+        other => [other.reach(), other.radius()],
     }
 }
 
@@ -48,17 +53,8 @@ pub(super) fn turned_by(
     deviation: f64,
     (depth, size, [a, b]): (&Depth, f64, [PosedShape<'_>; 2]),
 ) -> f64 {
-    let radii = swept_round(a.shape) + swept_round(b.shape);
-    TURNED * deviation * (size + radii + depth.depth)
-}
-
-/// The largest radius that is swept round a shape, or a part of it: metres.
-#[inline]
-fn swept_round(shape: &Shape) -> f64 {
-    match shape {
-        Shape::Compound(compound) => compound.swept_radius(),
-        whole => whole.radius(),
-    }
+    let [[_, radius_a], [_, radius_b]] = [extent(a.shape), extent(b.shape)];
+    TURNED * deviation * (size + radius_a + radius_b + depth.depth)
 }
 
 /// The same of a manifold that is the witnesses of the depth alone, with what these lack of the depth along the normal.
@@ -69,7 +65,7 @@ fn swept_round(shape: &Shape) -> f64 {
 pub(super) fn bound_of_witnesses(depth: &Depth, size: f64, sides: [PosedShape<'_>; 2]) -> f64 {
     let are_polytopes = sides.iter().all(|side| side.shape.as_polytope().is_some());
     let lacking = if are_polytopes { missed_along(depth) } else { missed(depth) };
-    let far = sides.iter().map(|side| distance_from_origin(side.shape)).sum::<f64>();
+    let far = sides.iter().map(|side| extent(side.shape)[0]).sum::<f64>();
     let off = if far > FAR * size { 2.0 * depth.error_bound } else { 0.0 };
     (bound_of(depth, size, sides) + lacking + off).min(f64::MAX)
 }
