@@ -2,6 +2,7 @@
 
 use dcd_geom::glam::DVec3;
 use dcd_geom::{FeatureRows, Polytope};
+use dcd_simd::prefetch_few;
 
 /// A hull that has rows.
 #[derive(Clone, Copy)]
@@ -13,7 +14,11 @@ pub(crate) struct HullFeatures<'a> {
 impl<'a> HullFeatures<'a> {
     /// `None` of what is not solid, or has many vertices.
     pub(crate) fn of(hull: &'a Polytope) -> Option<Self> {
-        Some(Self { hull, rows: hull.feature_rows()? })
+        let rows = hull.feature_rows()?;
+        // They are looked through from the first to the last, after what takes as long as the first few take to come.
+        prefetch_few::<8, _>(&rows.faces);
+        prefetch_few::<8, _>(&rows.edges);
+        Some(Self { hull, rows })
     }
 
     pub(crate) fn vertex(&self, k: usize) -> DVec3 {

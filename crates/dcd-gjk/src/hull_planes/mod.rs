@@ -7,12 +7,12 @@ mod lanes;
 mod round;
 mod witness;
 
-use crate::PosedShape;
 use crate::closed::ByFormula;
 use crate::epa::Depth;
 use crate::query::{Accuracy, tolerance};
+use crate::{PosedShape, PosedSupport};
 use dcd_geom::glam::{DMat3, DVec3};
-use dcd_geom::{Kind, Polytope, Shape};
+use dcd_geom::{Kind, Polytope};
 use dcd_simd::{Path, Unfused, dispatch_on};
 pub(crate) use features::{HullFeatures, shares};
 use lanes::{CuboidPlanes, EDGES, Feature, Planes};
@@ -46,31 +46,34 @@ const LEAN: f64 = 16.0;
 /// (a, b) and (b, a) give the same bits, mirrored.
 pub(crate) fn measure(
     accuracy: Accuracy,
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
+    [a, b]: [PosedSupport<'_, Polytope>; 2],
 ) -> Option<ByFormula> {
-    let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) else { return None };
-    let is_body =
-        |polytope: &Polytope| matches!(polytope.kind(), Kind::Segment | Kind::Cuboid { .. });
-    match (in_a.kind(), in_b.kind()) {
-        (Kind::Hull, _) if is_body(in_b) => measure_from(accuracy, (in_a, a), (in_b, b)),
-        (_, Kind::Hull) if is_body(in_a) => {
-            Some(match measure_from(accuracy, (in_b, b), (in_a, a))? {
-                ByFormula::Deep(found) => ByFormula::Deep(found.mirrored()),
-                apart => apart,
-            })
-        }
+    let is_body = |kind| matches!(kind, Kind::Segment | Kind::Cuboid { .. });
+    match (a.map.kind(), b.map.kind()) {
+        (Kind::Hull, other) if is_body(other) => measure_from(accuracy, a, b),
+        (other, Kind::Hull) if is_body(other) => Some(match measure_from(accuracy, b, a)? {
+            ByFormula::Deep(found) => ByFormula::Deep(found.mirrored()),
+            apart => apart,
+        }),
         _ => None,
     }
+}
+
+/// [`measure`] of shapes.
+pub(crate) fn measure_shapes(accuracy: Accuracy, [a, b]: [PosedShape<'_>; 2]) -> Option<ByFormula> {
+    let [in_a, in_b] = [a.shape.as_polytope()?, b.shape.as_polytope()?];
+    let bodies = [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)];
+    measure(accuracy, bodies)
 }
 
 /// From a hull to a capsule or cuboid.
 fn measure_from(
     accuracy: Accuracy,
-    (hull, side): (&Polytope, PosedShape<'_>),
-    (other, at): (&Polytope, PosedShape<'_>),
+    side: PosedSupport<'_, Polytope>,
+    at: PosedSupport<'_, Polytope>,
 ) -> Option<ByFormula> {
-    let placed = Placed::of((hull, side), (other, at))?;
+    let placed = Placed::of(side, at)?;
+    let (hull, other) = (side.map, at.map);
     let least = placed.least()?;
     let radius = hull.swept_radius() + other.swept_radius();
     let rounding = REACH * U64 * (placed.size + radius);
@@ -137,10 +140,8 @@ impl Least {
 
 impl<'a> Placed<'a> {
     /// `None` of poses that are hardly rotations, and of lengths that f32 does not hold.
-    fn of(
-        (hull, side): (&'a Polytope, PosedShape<'_>),
-        (other, at): (&Polytope, PosedShape<'_>),
-    ) -> Option<Self> {
+    fn of(side: PosedSupport<'a, Polytope>, at: PosedSupport<'_, Polytope>) -> Option<Self> {
+        let (hull, other) = (side.map, at.map);
         let features = HullFeatures::of(hull)?;
         let deviation = side.pose.deviation() + at.pose.deviation();
         let back = side.pose.rotation().transpose();

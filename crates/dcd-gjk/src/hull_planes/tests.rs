@@ -5,7 +5,7 @@ use super::*;
 use crate::motion::tests::Draw;
 use crate::{Depths, DistanceResult, PairSolver, Verdict, distance::distance};
 use dcd_geom::glam::DQuat;
-use dcd_geom::{Pose, SupportMap};
+use dcd_geom::{Pose, Shape, SupportMap};
 
 /// From a tetrahedron to a hull of more than one row of faces, and of two of edges.
 fn hull(draw: &mut Draw, k: usize) -> Shape {
@@ -56,7 +56,7 @@ fn check(found: &Depth, sides: [PosedShape<'_>; 2], slack: f64, what: usize) {
 }
 
 fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
-    match measure(accuracy, a, b)? {
+    match measure_shapes(accuracy, [a, b])? {
         ByFormula::Deep(found) => Some(found),
         ByFormula::Apart(gap) => {
             // That they are apart is what the certified search finds too.
@@ -145,7 +145,9 @@ fn no_direction_parts_them_sooner_and_every_path_has_the_same_planes() {
         let poses = [Pose::IDENTITY, Pose::new(turn, draw.vector() * 0.2).unwrap()];
         let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
         let [in_a, in_b] = [a, b].map(|side| side.shape.as_polytope().unwrap());
-        let Some(placed) = Placed::of((in_a, a), (in_b, b)) else { continue };
+        let [in_a, in_b] =
+            [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)];
+        let Some(placed) = Placed::of(in_a, in_b) else { continue };
         let centre = placed.centre.as_vec3();
         let axes = placed.axes.map(|axis| axis.as_vec3());
         let found = Path::ALL.map(|path| {

@@ -3,7 +3,6 @@
 use super::{Accuracy, FoundPair, MeasureAt, MeasureDepth, few_parts, open_triangles, sampled};
 use crate::closed::{self, ByFormula, half_space};
 use crate::epa::{self, Depth};
-use crate::hull_planes;
 use crate::mesh::{Effort, KnownParts, PartPair};
 use crate::{
     Contact, Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, expanding,
@@ -213,11 +212,6 @@ pub(super) fn without_frame(
     }
     if accuracy == Accuracy::F32
         && let Some(ByFormula::Deep(found)) = mesh::of_triangle(a, b, tolerance(accuracy))
-    {
-        return Verdict::Touching(found);
-    }
-    if accuracy != Accuracy::Certified
-        && let Some(ByFormula::Deep(found)) = hull_planes::measure(accuracy, a, b)
     {
         return Verdict::Touching(found);
     }

@@ -265,7 +265,7 @@ fn touch(
         gap.depth()
     } else {
         let of_triangle = mesh::of_triangle(in_a, in_b, depths::tolerance(at));
-        match of_triangle.or_else(|| hull_planes::measure(at, in_a, in_b)) {
+        match of_triangle.or_else(|| hull_planes::measure_shapes(at, [in_a, in_b])) {
             Some(ByFormula::Apart(gap)) if gap > moved => return Some(Known::Apart),
             Some(ByFormula::Deep(found)) => Some(found),
             _ => depths::by_formula(at, in_a, in_b),

@@ -24,10 +24,11 @@ mod swept;
 mod tests;
 
 use crate::certificate::Bounds;
-use crate::closed::curved;
+use crate::closed::{ByFormula, curved};
 use crate::distance::{Approach, approach, proposed, rounded_up};
 use crate::epa::Depth;
 use crate::gjk::unit;
+use crate::hull_planes;
 use crate::query::Accuracy;
 use crate::supports::{InBlocks, lowest};
 use crate::{Difference, PosedShape, PosedSupport, Vertex, order};
@@ -138,7 +139,7 @@ pub(crate) fn depth_of_overlap(
                     Accuracy::F32 => None,
                     _ => Some(by_pieces),
                 };
-                of_supports(bodies, tolerance, points, (surface, finish))
+                of_supports(bodies, tolerance, points, || None, (surface, finish))
             })
         }
     }?;
@@ -163,10 +164,12 @@ fn by_pieces(
     search.by_pieces(bounds, surface, from)
 }
 
+/// Of cores that may overlap `by_formula` first.
 fn of_supports<S: InBlocks>(
     bodies: [PosedSupport<'_, S>; 2],
     tolerance: Tolerance,
     points: Option<[DVec3; 2]>,
+    by_formula: impl FnOnce() -> Option<Depth>,
     (surface, finish): (&mut Surface, Option<Finish<S>>),
 ) -> Option<Depth> {
     let [a, b] = bodies;
@@ -186,7 +189,7 @@ fn of_supports<S: InBlocks>(
             }
         }
     }
-    search.of_overlapping_cores(&bounds, surface, finish)
+    by_formula().or_else(|| search.of_overlapping_cores(&bounds, surface, finish))
 }
 
 /// [`depth_of_overlap`] of polytopes in the order that they are given in: where f64 leaves too much open, in double-double.
@@ -195,7 +198,13 @@ pub(crate) fn depth_of_polytopes(
     accuracy: Accuracy,
     surface: &mut Surface,
 ) -> Option<Depth> {
-    let found = of_supports(bodies, Tolerance::of(accuracy), None, (&mut *surface, None));
+    let by_planes = || match hull_planes::measure(accuracy, bodies)? {
+        ByFormula::Deep(found) => Some(found),
+        ByFormula::Apart(_) => None,
+    };
+    let by_formula = || if accuracy == Accuracy::Certified { None } else { by_planes() };
+    let tolerance = Tolerance::of(accuracy);
+    let found = of_supports(bodies, tolerance, None, by_formula, (&mut *surface, None));
     let is_sharp = bodies.iter().all(|body| body.map.swept_radius() == 0.0);
     if accuracy != Accuracy::Certified || !is_sharp {
         return found;
