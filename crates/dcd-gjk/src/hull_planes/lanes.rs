@@ -155,8 +155,8 @@ impl<L: Lanes, const AXES: usize> Splat<L, AXES> {
     fn along(&self, l: L, normals: &Block) -> [L::F; AXES] {
         let normal = V3::load(l, &normals.0);
         let mut along = [l.splat(0.0); AXES];
-        for k in 0..AXES {
-            along[k] = normal.dot(l, self.axes[k]);
+        for (along, axis) in along.iter_mut().zip(self.axes) {
+            *along = normal.dot(l, axis);
         }
         along
     }
@@ -173,9 +173,9 @@ impl<L: Lanes, const AXES: usize> Splat<L, AXES> {
         let along = self.along(l, &row.normals);
         let to_centre = V3::load(l, &row.normals.0).dot(l, self.centre);
         let mut distance = l.sub(l.load(&row.offsets), to_centre);
-        for k in 0..AXES {
-            let above = self.is_above(l, along[k]);
-            let below = l.select(above, l.neg(along[k]), along[k]);
+        for (k, along) in along.into_iter().enumerate() {
+            let above = self.is_above(l, along);
+            let below = l.select(above, l.neg(along), along);
             distance = l.mul_add(below, self.half[k], distance);
             way.left[k] = l.bits(above) as u16;
         }

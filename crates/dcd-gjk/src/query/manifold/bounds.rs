@@ -43,6 +43,8 @@ fn extent(shape: &Shape) -> [f64; 2] {
         Shape::Polytope(core) => [core.reach() + core.swept_radius(), core.swept_radius()],
         Shape::HalfSpace(half_space) => [half_space.offset().abs(), 0.0],
         Shape::Compound(compound) => [compound.reach(), compound.swept_radius()],
+        // Round its own origin: what that costs is far below what its size does.
+        Shape::Curved(curved) => [0.0, curved.swept_radius()],
         other => [other.reach(), other.radius()],
     }
 }
