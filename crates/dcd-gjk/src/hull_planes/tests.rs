@@ -55,6 +55,14 @@ fn check(found: &Depth, sides: [PosedShape<'_>; 2], slack: f64, what: usize) {
     }
 }
 
+/// Whether the cores overlap clearly, as the planes should know.
+fn do_cores_overlap(sides: [PosedShape<'_>; 2]) -> bool {
+    let radius = |side: PosedShape<'_>| side.shape.as_polytope().unwrap().swept_radius();
+    let radii = sides.map(radius).iter().sum::<f64>();
+    let due = Depths.solve(sides[0], sides[1], &mut Default::default());
+    matches!(due, Verdict::Touching(due) if due.depth > radii + 1e-4)
+}
+
 fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
     match measure_shapes(accuracy, [a, b])? {
         ByFormula::Deep(found) => Some(found),
@@ -85,14 +93,7 @@ fn the_planes_say_what_the_certified_search_finds() {
                 check(&found, [a, b], 1e-12 * (1.0 + far.length()), k);
                 deep[k % 4] += 1;
             }
-            // Where the cores meet clearly.
-            None => {
-                let radii =
-                    shapes.each_ref().map(|shape| shape.as_polytope().unwrap().swept_radius());
-                let is_core = |due: &Depth| due.depth > radii[0] + radii[1] + 1e-4;
-                let due = Depths.solve(a, b, &mut Default::default());
-                open += usize::from(matches!(due, Verdict::Touching(due) if is_core(&due)));
-            }
+            None => open += usize::from(do_cores_overlap([a, b])),
         }
     }
     assert!(deep.iter().all(|&count| count > 300) && open < 20, "{deep:?} {open}");
@@ -124,13 +125,7 @@ fn what_is_degenerate_or_just_touches_is_never_wrong() {
                 check(&found, [a, b], 1e-12 * (1.0 + far.length()), k);
                 deep += 1;
             }
-            None => {
-                let radii =
-                    shapes.each_ref().map(|shape| shape.as_polytope().unwrap().swept_radius());
-                let is_core = |due: &Depth| due.depth > radii[0] + radii[1] + 1e-4;
-                let due = Depths.solve(a, b, &mut Default::default());
-                open += usize::from(matches!(due, Verdict::Touching(due) if is_core(&due)));
-            }
+            None => open += usize::from(do_cores_overlap([a, b])),
         }
     }
     assert!(deep > 900 && open < 50, "{deep} {open}");
