@@ -7,10 +7,10 @@ mod lanes;
 mod round;
 mod witness;
 
+use crate::PosedSupport;
 use crate::closed::ByFormula;
 use crate::epa::Depth;
 use crate::query::{Accuracy, tolerance};
-use crate::{PosedShape, PosedSupport};
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Polytope};
 use dcd_simd::{Path, Unfused, dispatch_on};
@@ -57,13 +57,6 @@ pub(crate) fn measure(
         }),
         _ => None,
     }
-}
-
-/// [`measure`] of shapes.
-pub(crate) fn measure_shapes(accuracy: Accuracy, [a, b]: [PosedShape<'_>; 2]) -> Option<ByFormula> {
-    let [in_a, in_b] = [a.shape.as_polytope()?, b.shape.as_polytope()?];
-    let bodies = [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)];
-    measure(accuracy, bodies)
 }
 
 /// From a hull to a capsule or cuboid.

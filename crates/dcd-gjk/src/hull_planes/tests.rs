@@ -3,7 +3,7 @@
 use super::lanes::{Way, others};
 use super::*;
 use crate::motion::tests::Draw;
-use crate::{Depths, DistanceResult, PairSolver, Verdict, distance::distance};
+use crate::{Depths, DistanceResult, PairSolver, PosedShape, Verdict, distance::distance};
 use dcd_geom::glam::DQuat;
 use dcd_geom::{Pose, Shape, SupportMap};
 
@@ -64,7 +64,9 @@ fn do_cores_overlap(sides: [PosedShape<'_>; 2]) -> bool {
 }
 
 fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
-    match measure_shapes(accuracy, [a, b])? {
+    let [in_a, in_b] = [a.shape.as_polytope()?, b.shape.as_polytope()?];
+    let bodies = [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)];
+    match measure(accuracy, bodies)? {
         ByFormula::Deep(found) => Some(found),
         ByFormula::Apart(gap) => {
             // That they are apart is what the certified search finds too.

@@ -12,8 +12,8 @@ use super::{Accuracy, Feature, depths};
 use crate::closed::ByFormula;
 use crate::distance::{Distance, DistanceResult, distance_at, gap_along};
 use crate::epa::{self, Depth};
+use crate::mesh;
 use crate::{PosedShape, PosedSupport, Verdict, certified, closed};
-use crate::{hull_planes, mesh};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Part, Polytope, Pose, Shape, SupportMap};
 use dcd_simd::ArrayVec;
@@ -188,22 +188,19 @@ impl<'a> Parts<'a> {
         Some(())
     }
 
-    /// Whether pairs with others that are no hulls have a formula, nearly all; and whether with hulls too.
-    fn have_formulas(&self) -> [bool; 2] {
-        let shapes =
-            || self.0.iter().flatten().map(|it| it.part.map_or(it.whole.shape, |p| &p.shape));
-        let is_simple = |shape: &Shape| match shape {
-            Shape::Polytope(polytope) => matches!(
-                polytope.kind(),
-                Kind::Point | Kind::Segment | Kind::Triangle | Kind::Cuboid { .. }
-            ),
+    /// Whether pairs with others of which it is true have a formula, nearly all.
+    fn have_formulas(&self) -> bool {
+        let has = |placed: &Placed<'_>| match placed.part.map_or(placed.whole.shape, |p| &p.shape) {
+            Shape::Polytope(polytope) => {
+                matches!(
+                    polytope.kind(),
+                    Kind::Point | Kind::Segment | Kind::Triangle | Kind::Cuboid { .. }
+                )
+            }
             Shape::HalfSpace(_) => true,
             _ => false,
         };
-        let is_hull = |shape: &Shape| {
-            shape.as_polytope().is_some_and(|polytope| polytope.feature_rows().is_some())
-        };
-        [shapes().all(|shape| is_simple(shape) || is_hull(shape)), shapes().all(is_simple)]
+        self.0.iter().flatten().all(has)
     }
 
     /// With their numbers.
@@ -264,8 +261,7 @@ fn touch(
         }
         gap.depth()
     } else {
-        let of_triangle = mesh::of_triangle(in_a, in_b, depths::tolerance(at));
-        match of_triangle.or_else(|| hull_planes::measure_shapes(at, [in_a, in_b])) {
+        match mesh::of_triangle(in_a, in_b, depths::tolerance(at)) {
             Some(ByFormula::Apart(gap)) if gap > moved => return Some(Known::Apart),
             Some(ByFormula::Deep(found)) => Some(found),
             _ => depths::by_formula(at, in_a, in_b),
@@ -320,9 +316,7 @@ impl<'a> Couple<'a> {
     /// spare more of these than given parts are quicker.
     pub(super) fn fill(&mut self, framed: &'a Framed<'_>) -> Option<()> {
         self.take(framed)?;
-        let [[of_a, with_hulls_of_b], [of_b, with_hulls_of_a]] =
-            [self.a.have_formulas(), self.b.have_formulas()];
-        (of_a && of_b && (with_hulls_of_a || with_hulls_of_b)).then_some(())
+        (self.a.have_formulas() && self.b.have_formulas()).then_some(())
     }
 
     /// Finds the pairs of parts that touch, by index, each with its depth from the first to the second. `None` where that

@@ -6,7 +6,7 @@ use super::cuboids;
 use super::facing::Part;
 use super::feature::surely_cross;
 use super::{Feature, Manifold, ManifoldPoint, ManifoldSet, bound_of, bound_of_witnesses};
-use crate::closed::is_sphere;
+use crate::closed::{self, is_sphere};
 use crate::epa::Depth;
 use crate::{PosedShape, Verdict};
 use dcd_geom::glam::DVec3;
@@ -20,7 +20,12 @@ pub(super) fn in_one_point(
     [a, b]: [PosedShape<'_>; 2],
 ) -> Option<([Feature; 2], f64)> {
     if is_sphere(a) && is_sphere(b) {
-        return Some(([Feature::Vertex(0); 2], bound_of(depth, 0.0, [a, b])));
+        // As lanes have it, to the bit.
+        let bound = match closed::two_spheres(a, b) {
+            Some(spheres) => depth.error_bound + closed::off_surface(spheres),
+            None => bound_of(depth, 0.0, [a, b]),
+        };
+        return Some(([Feature::Vertex(0); 2], bound));
     }
     of_sphere(depth, [a, b], None).or_else(|| of_capsule(depth, [a, b]))
 }

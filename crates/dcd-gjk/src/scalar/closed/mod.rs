@@ -36,7 +36,7 @@ pub(crate) use near_features::{
 pub(crate) use segments::{PosedCore, depth_of_cores, overlap_of_cores};
 pub(crate) use spheres::{
     PlacedSphere, compare_squares, depth_of_spheres, depth_of_two_spheres, distance_of_spheres,
-    distance_within, off_surface, spheres_are_beyond,
+    distance_within, off_surface, spheres_are_beyond, two_spheres,
 };
 pub(crate) use triangles::nearest as nearest_of_triangle;
 pub(crate) use upright_depth::depth as upright_depth;

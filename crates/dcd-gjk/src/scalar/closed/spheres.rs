@@ -191,6 +191,12 @@ pub(crate) fn depth_of_two_spheres(
     b: PosedShape<'_>,
     sharp: f64,
 ) -> Option<Depth> {
+    depth_of_spheres(two_spheres(a, b)?, sharp)
+}
+
+/// Two spheres round the origins of their own frames; `None` of others.
+#[inline]
+pub(crate) fn two_spheres(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<[PlacedSphere; 2]> {
     let placed = |side: PosedShape<'_>| match side.shape {
         // Of a part that was moved the centre is elsewhere.
         Shape::Polytope(sphere) if *sphere.vertices() == [DVec3::ZERO] => {
@@ -198,7 +204,7 @@ pub(crate) fn depth_of_two_spheres(
         }
         _ => None,
     };
-    depth_of_spheres([placed(a)?, placed(b)?], sharp)
+    Some([placed(a)?, placed(b)?])
 }
 
 impl Gap {
