@@ -89,6 +89,8 @@ fn measure_from(
     let at_hull = *turn * (at_hull + hull.inner().centre) + normal * hull.swept_radius();
     let point_a = side.pose.translation() + at_hull;
     let point_b = side.pose.translation() + (at_hull - normal * depth);
+    // At f32 too: where planes leave more open their directions are worse than what a manifold needs.
+    let accuracy = if accuracy == Accuracy::F32 { Accuracy::F64 } else { accuracy };
     let [relative, of_size] = tolerance(accuracy);
     // False for NaN and where a depth is infinite.
     let is_good = error_bound <= (relative * depth).max(of_size * placed.size);
