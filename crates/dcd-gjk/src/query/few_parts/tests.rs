@@ -15,13 +15,12 @@ fn pose(draw: &mut Draw, reach: f64, is_turned: bool) -> Pose {
 
 fn convex(draw: &mut Draw, k: usize) -> Shape {
     let half = draw.vector().abs() * 0.3 + 0.05;
-    let made = match k % 10 {
+    let made = match k % 9 {
         0 | 5 => Shape::sphere(half.x),
         1 | 6 | 7 => Shape::cuboid(half),
         2 => Shape::capsule(half.x, half.y),
         3 => Shape::cylinder(half.x, half.y),
         8 => Shape::triangle([0; 3].map(|_| draw.vector() * 0.4)),
-        9 => Shape::hull((0..14).map(|_| draw.vector() * half * 1.5).collect()),
         _ => Shape::cuboid(half).and_then(|cuboid| cuboid.rounded(0.05)),
     };
     made.unwrap()
