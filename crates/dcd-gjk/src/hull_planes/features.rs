@@ -14,11 +14,14 @@ pub(crate) struct HullFeatures<'a> {
 impl<'a> HullFeatures<'a> {
     /// `None` of what is not solid, or has many vertices.
     pub(crate) fn of(hull: &'a Polytope) -> Option<Self> {
-        let rows = hull.feature_rows()?;
-        // They are looked through from the first to the last, after what takes as long as the first few take to come.
-        prefetch_few::<8, _>(&rows.faces);
-        prefetch_few::<8, _>(&rows.edges);
-        Some(Self { hull, rows })
+        Some(Self { hull, rows: hull.feature_rows()? })
+    }
+
+    /// Prefetches the rows, which a pair by itself looks through from the first to the last: a hint. Triangles of a mesh find
+    /// them in the cache.
+    pub(super) fn prefetch(&self) {
+        prefetch_few::<8, _>(&self.rows.faces);
+        prefetch_few::<8, _>(&self.rows.edges);
     }
 
     pub(crate) fn vertex(&self, k: usize) -> DVec3 {

@@ -1,5 +1,4 @@
-//! A solid hull against a capsule or cuboid, rounded or not, by the planes of their cores' difference: whether they are apart, and
-//! how deep they overlap
+//! How deep a solid hull and a capsule or cuboid overlap, rounded or not, by the planes of their cores' difference
 //! (docs/numerics/proofs.md, "a hull and a cuboid").
 
 mod features;
@@ -8,7 +7,6 @@ mod round;
 mod witness;
 
 use crate::PosedSupport;
-use crate::closed::ByFormula;
 use crate::epa::Depth;
 use crate::query::{Accuracy, tolerance};
 use dcd_geom::glam::{DMat3, DVec3};
@@ -40,47 +38,35 @@ const REACH: f64 = 16.0;
 /// What the direction of a product of an edge with an axis loses in f64. Unit: u of the edge's length by the product's.
 const LEAN: f64 = 16.0;
 
-/// What is known of a hull and a capsule or cuboid, from a to b, with a bound that is good enough for the accuracy. `None` of
-/// others, and where the planes do not say.
+/// The depth of a hull and a capsule or cuboid whose cores overlap, from a to b, with a bound as good as f64's. `None` of others,
+/// and where the planes do not say.
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
-pub(crate) fn measure(
-    accuracy: Accuracy,
-    [a, b]: [PosedSupport<'_, Polytope>; 2],
-) -> Option<ByFormula> {
+pub(crate) fn depth([a, b]: [PosedSupport<'_, Polytope>; 2]) -> Option<Depth> {
     let is_body = |kind| matches!(kind, Kind::Segment | Kind::Cuboid { .. });
     match (a.map.kind(), b.map.kind()) {
-        (Kind::Hull, other) if is_body(other) => measure_from(accuracy, a, b),
-        (other, Kind::Hull) if is_body(other) => Some(match measure_from(accuracy, b, a)? {
-            ByFormula::Deep(found) => ByFormula::Deep(found.mirrored()),
-            apart => apart,
-        }),
+        (Kind::Hull, other) if is_body(other) => depth_from_hull(a, b),
+        (other, Kind::Hull) if is_body(other) => depth_from_hull(b, a).map(Depth::mirrored),
         _ => None,
     }
 }
 
 /// From a hull to a capsule or cuboid.
-fn measure_from(
-    accuracy: Accuracy,
+fn depth_from_hull(
     side: PosedSupport<'_, Polytope>,
     at: PosedSupport<'_, Polytope>,
-) -> Option<ByFormula> {
+) -> Option<Depth> {
     let placed = Placed::of(side, at)?;
     let (hull, other) = (side.map, at.map);
     let least = placed.least()?;
     let radius = hull.swept_radius() + other.swept_radius();
     let rounding = REACH * U64 * (placed.size + radius);
-    let reach = placed.reach(least.outward);
-    // Along any direction this is true.
-    let gap = -(reach + radius + rounding + placed.off);
-    if gap > 0.0 {
-        return Some(ByFormula::Apart(gap));
-    }
     let at_least = least.at_least - rounding - placed.hull.rows.normal_error() * placed.size;
     // Of cores that do not meet, the planes do not bound what the radii overlap. Written so that NaN is none.
     if !(at_least > placed.off) {
         return None;
     }
+    let reach = placed.reach(least.outward);
     let (at_hull, beside) = placed.witness(least.feature?, least.outward, reach)?;
     let depth = reach + radius;
     let error_bound = (reach - at_least).max(0.0) + placed.off + beside + rounding;
@@ -89,13 +75,12 @@ fn measure_from(
     let at_hull = *turn * (at_hull + hull.inner().centre) + normal * hull.swept_radius();
     let point_a = side.pose.translation() + at_hull;
     let point_b = side.pose.translation() + (at_hull - normal * depth);
-    // At f32 too: where planes leave more open their directions are worse than what a manifold needs.
-    let accuracy = if accuracy == Accuracy::F32 { Accuracy::F64 } else { accuracy };
-    let [relative, of_size] = tolerance(accuracy);
-    // False for NaN and where a depth is infinite.
+    // Not less at f32: where planes leave more open, their directions are worse than what a manifold needs.
+    let [relative, of_size] = tolerance(Accuracy::F64);
+    // False for NaN.
     let is_good = error_bound <= (relative * depth).max(of_size * placed.size);
     let found = Depth { depth, normal, point_a, point_b, error_bound };
-    (is_good && depth.is_finite()).then_some(ByFormula::Deep(found))
+    (is_good && depth.is_finite()).then_some(found)
 }
 
 /// The core of a capsule or cuboid in the frame of a hull, from its centre.
@@ -138,6 +123,7 @@ impl<'a> Placed<'a> {
     fn of(side: PosedSupport<'a, Polytope>, at: PosedSupport<'_, Polytope>) -> Option<Self> {
         let (hull, other) = (side.map, at.map);
         let features = HullFeatures::of(hull)?;
+        features.prefetch();
         let deviation = side.pose.deviation() + at.pose.deviation();
         let back = side.pose.rotation().transpose();
         let turn = back * *at.pose.rotation();

@@ -3,7 +3,7 @@
 use super::lanes::{Way, others};
 use super::*;
 use crate::motion::tests::Draw;
-use crate::{Depths, DistanceResult, PairSolver, PosedShape, Verdict, distance::distance};
+use crate::{Depths, PairSolver, PosedShape, Verdict};
 use dcd_geom::glam::DQuat;
 use dcd_geom::{Pose, Shape, SupportMap};
 
@@ -63,18 +63,9 @@ fn do_cores_overlap(sides: [PosedShape<'_>; 2]) -> bool {
     matches!(due, Verdict::Touching(due) if due.depth > radii + 1e-4)
 }
 
-fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
-    let [in_a, in_b] = [a.shape.as_polytope()?, b.shape.as_polytope()?];
-    let bodies = [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)];
-    match measure(accuracy, bodies)? {
-        ByFormula::Deep(found) => Some(found),
-        ByFormula::Apart(gap) => {
-            // That they are apart is what the certified search finds too.
-            let DistanceResult::Apart(due) = distance(a, b).0 else { panic!("{gap}") };
-            assert!(gap <= due.distance + due.error_bound, "{gap} {due:?}");
-            None
-        }
-    }
+fn depth_of([a, b]: [PosedShape<'_>; 2]) -> Option<Depth> {
+    let [in_a, in_b] = [a, b].map(|side| side.shape.as_polytope().unwrap());
+    depth([PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)])
 }
 
 #[test]
@@ -88,8 +79,8 @@ fn the_planes_say_what_the_certified_search_finds() {
             Pose::new(turn, far + draw.vector() * 0.2).unwrap()
         });
         let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
-        let found = depth(Accuracy::F32, a, b);
-        assert_eq!(found, depth(Accuracy::F32, b, a).map(Depth::mirrored), "{k}");
+        let found = depth_of([a, b]);
+        assert_eq!(found, depth_of([b, a]).map(Depth::mirrored), "{k}");
         match found {
             Some(found) => {
                 check(&found, [a, b], 1e-12 * (1.0 + far.length()), k);
@@ -122,7 +113,7 @@ fn what_is_degenerate_or_just_touches_is_never_wrong() {
             Pose::new(turn * tilt, far + turn * grid(draw.vector())).unwrap(),
         ];
         let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
-        match depth(Accuracy::F32, a, b) {
+        match depth_of([a, b]) {
             Some(found) => {
                 check(&found, [a, b], 1e-12 * (1.0 + far.length()), k);
                 deep += 1;

@@ -50,7 +50,7 @@ pub(crate) use nearest_triangle::distance_in_f32;
 pub(crate) use on_body::{
     TouchingTriangle, deepest_by_formula, depth_in_sphere, touching_triangles, triangles_in_sphere,
 };
-pub(crate) use one_triangle::of_triangle;
+pub(crate) use one_triangle::{OfTriangle, of_triangle};
 
 /// What is reused from pair to pair.
 #[derive(Clone, Debug, Default)]

@@ -4,9 +4,15 @@ use super::cuboid::ByAxes;
 use super::reach::Couple;
 use super::side::Part;
 use crate::PosedShape;
-use crate::closed::ByFormula;
 use crate::epa::Depth;
 use dcd_geom::{Kind, Shape};
+
+/// What a formula finds of a triangle and another convex shape.
+pub(crate) enum OfTriangle {
+    /// They are at least so far apart: metres, above 0.
+    Apart(f64),
+    Deep(Depth),
+}
 
 /// What is known of a triangle and another shape, from a to b: a depth within `relative` of itself or `of_size` of the
 /// pair's size. `None` of others, and where no formula knows it.
@@ -16,7 +22,7 @@ pub(crate) fn of_triangle(
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     [relative, of_size]: [f64; 2],
-) -> Option<ByFormula> {
+) -> Option<OfTriangle> {
     let (triangle, other, swapped) = match [part(a), part(b)] {
         [Some(triangle), None] => (triangle, (b, a), false),
         [None, Some(triangle)] => (triangle, (a, b), true),
@@ -29,12 +35,12 @@ pub(crate) fn of_triangle(
     let found = match couple.by_axes() {
         Some(ByAxes::Apart(axis)) => {
             let gap = -couple.most_along(-axis);
-            return (gap > 0.0).then_some(ByFormula::Apart(gap));
+            return (gap > 0.0).then_some(OfTriangle::Apart(gap));
         }
         Some(ByAxes::Touching(Some(found))) if is_good(&found) => found,
         _ => couple.pressed().filter(is_good)?,
     };
-    Some(ByFormula::Deep(if swapped { found.mirrored() } else { found }))
+    Some(OfTriangle::Deep(if swapped { found.mirrored() } else { found }))
 }
 
 /// A triangle as one of a mesh.
@@ -98,7 +104,7 @@ mod tests {
             let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
             let [found, back] = [of_triangle(a, b, [0.0, 1e-6]), of_triangle(b, a, [0.0, 1e-6])];
             match (found, back) {
-                (Some(ByFormula::Deep(found)), Some(ByFormula::Deep(back))) => {
+                (Some(OfTriangle::Deep(found)), Some(OfTriangle::Deep(back))) => {
                     assert_eq!(found, back.mirrored(), "{k}");
                     let due = Depths.measure_at(Accuracy::Certified, a, b, &mut Default::default());
                     let Verdict::Touching(due) = due else { panic!("{k}: {found:?}") };
@@ -106,7 +112,7 @@ mod tests {
                     assert!(off <= found.error_bound + due.error_bound, "{k}: {found:?} {due:?}");
                     deep += 1;
                 }
-                (Some(ByFormula::Apart(gap)), Some(ByFormula::Apart(back))) => {
+                (Some(OfTriangle::Apart(gap)), Some(OfTriangle::Apart(back))) => {
                     assert_eq!(gap, back, "{k}");
                     let crate::DistanceResult::Apart(due) = distance(a, b).0 else {
                         panic!("{k}: {gap}")

@@ -1,9 +1,9 @@
 //! How deep touching pairs overlap.
 
 use super::{Accuracy, FoundPair, MeasureAt, MeasureDepth, few_parts, open_triangles, sampled};
-use crate::closed::{self, ByFormula, half_space};
+use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
-use crate::mesh::{Effort, KnownParts, PartPair};
+use crate::mesh::{Effort, KnownParts, OfTriangle, PartPair};
 use crate::{
     Contact, Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, expanding,
     mesh, order,
@@ -211,7 +211,7 @@ pub(super) fn without_frame(
         return Verdict::Touching(found);
     }
     if accuracy == Accuracy::F32
-        && let Some(ByFormula::Deep(found)) = mesh::of_triangle(a, b, tolerance(accuracy))
+        && let Some(OfTriangle::Deep(found)) = mesh::of_triangle(a, b, tolerance(accuracy))
     {
         return Verdict::Touching(found);
     }

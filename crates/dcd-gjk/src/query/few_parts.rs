@@ -9,10 +9,9 @@ mod framed;
 mod slab;
 
 use super::{Accuracy, Feature, depths};
-use crate::closed::ByFormula;
 use crate::distance::{Distance, DistanceResult, distance_at, gap_along};
 use crate::epa::{self, Depth};
-use crate::mesh;
+use crate::mesh::{self, OfTriangle};
 use crate::{PosedShape, PosedSupport, Verdict, certified, closed};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Part, Polytope, Pose, Shape, SupportMap};
@@ -262,8 +261,8 @@ fn touch(
         gap.depth()
     } else {
         match mesh::of_triangle(in_a, in_b, depths::tolerance(at)) {
-            Some(ByFormula::Apart(gap)) if gap > moved => return Some(Known::Apart),
-            Some(ByFormula::Deep(found)) => Some(found),
+            Some(OfTriangle::Apart(gap)) if gap > moved => return Some(Known::Apart),
+            Some(OfTriangle::Deep(found)) => Some(found),
             _ => depths::by_formula(at, in_a, in_b),
         }
     };

@@ -86,8 +86,8 @@ impl<'a> Framed<'a> {
 
     /// What a point of the world may be off beside one of the frame: metres.
     pub(in crate::query) fn rounded(&self) -> f64 {
-        let reach = self.shapes[0].reach();
-        self.frame.map_or(0.0, |pose| 8.0 * f64::EPSILON * (pose.translation().length() + reach))
+        let far = |pose: &Pose| pose.translation().length() + self.shapes[0].reach();
+        self.frame.map_or(0.0, |pose| 8.0 * f64::EPSILON * far(pose))
     }
 
     pub(super) fn depth(&self, found: Depth) -> Depth {

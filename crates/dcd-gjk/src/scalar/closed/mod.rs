@@ -107,13 +107,6 @@ pub(crate) fn gap(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> O
     }
 }
 
-/// What a formula finds of two convex shapes.
-pub(crate) enum ByFormula {
-    /// They are at least so far apart: metres, above 0.
-    Apart(f64),
-    Deep(Depth),
-}
-
 /// Whether it is a sphere, wherever its centre is.
 #[inline(always)]
 pub(crate) fn is_sphere(side: PosedShape<'_>) -> bool {

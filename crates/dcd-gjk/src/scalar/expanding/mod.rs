@@ -24,7 +24,7 @@ mod swept;
 mod tests;
 
 use crate::certificate::Bounds;
-use crate::closed::{ByFormula, curved};
+use crate::closed::curved;
 use crate::distance::{Approach, approach, proposed, rounded_up};
 use crate::epa::Depth;
 use crate::gjk::unit;
@@ -198,13 +198,12 @@ pub(crate) fn depth_of_polytopes(
     accuracy: Accuracy,
     surface: &mut Surface,
 ) -> Option<Depth> {
-    let by_planes = || match hull_planes::measure(accuracy, bodies)? {
-        ByFormula::Deep(found) => Some(found),
-        ByFormula::Apart(_) => None,
+    let by_planes = || match accuracy {
+        Accuracy::Certified => None,
+        Accuracy::F64 | Accuracy::F32 => hull_planes::depth(bodies),
     };
-    let by_formula = || if accuracy == Accuracy::Certified { None } else { by_planes() };
     let tolerance = Tolerance::of(accuracy);
-    let found = of_supports(bodies, tolerance, None, by_formula, (&mut *surface, None));
+    let found = of_supports(bodies, tolerance, None, by_planes, (&mut *surface, None));
     let is_sharp = bodies.iter().all(|body| body.map.swept_radius() == 0.0);
     if accuracy != Accuracy::Certified || !is_sharp {
         return found;
