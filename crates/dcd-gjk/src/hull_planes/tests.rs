@@ -121,7 +121,7 @@ fn what_is_degenerate_or_just_touches_is_never_wrong() {
             None => open += usize::from(do_cores_overlap([a, b])),
         }
     }
-    assert!(deep > 300 && open < 700, "{deep} {open}");
+    assert!(deep > 700 && open < 200, "{deep} {open}");
 }
 
 #[test]
