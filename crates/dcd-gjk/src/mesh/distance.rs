@@ -1,12 +1,14 @@
 //! How far apart two shapes are: pairs of blocks and parts, the nearest boxes first, until no box
 //! left over is nearer than what was found.
 
+use super::nearest_triangle::{Left, nearest_parts};
 use super::pair;
 use super::relative_pose::RelativePose;
 use super::side::Side;
 use super::{Scratch, in_order};
 use crate::Method;
-use crate::distance::{Distance, DistanceResult, distance as of_convex, in_f64};
+use crate::distance::{Distance, DistanceResult, distance_at as of_convex, in_f64};
+use crate::query::Accuracy;
 use crate::{PosedShape, Reason};
 use dcd_geom::{Aabb, Aabb16};
 use dcd_simd::{Kernel, Lanes, Row, WIDTH, dispatch};
@@ -51,27 +53,34 @@ impl Eq for Open {}
 /// that was needed: that of their nearest parts, with witness points on those.
 ///
 /// Never undecided where all parts are polytopes. (a, b) and (b, a) give the same bits, mirrored.
-/// Costs some microseconds for every pair of parts whose boxes are nearer than the parts.
+/// Of a mesh and a convex shape or a compound of few parts, f64 finds the few triangles that may be the nearest; else it
+/// costs some microseconds for every pair of parts whose boxes are nearer than the parts.
 pub fn distance(
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     scratch: &mut Scratch,
 ) -> (DistanceResult, Method) {
+    distance_at(Accuracy::Certified, [a, b], scratch)
+}
+
+/// The same with the parts measured at an accuracy.
+pub(crate) fn distance_at(
+    accuracy: Accuracy,
+    [a, b]: [PosedShape<'_>; 2],
+    scratch: &mut Scratch,
+) -> (DistanceResult, Method) {
     let ([first, second], swapped) = in_order(a, b);
-    let mut best = Best::default();
-    match RelativePose::of(&first, &second) {
-        Some(relative) => {
-            let (a, b) = (&first, &second);
-            best = dispatch(NearestParts { a, b, relative: &relative, scratch, best });
-        }
+    let (a, b) = (&first, &second);
+    let mut best = Best::at(accuracy);
+    match RelativePose::of(a, b) {
+        Some(relative) => match nearest_parts([a, b], &relative) {
+            Some(Left::Touching) => best.touching = true,
+            Some(Left::Near(parts)) => best.measure_all([a, b], parts),
+            None => best = dispatch(NearestParts { a, b, relative: &relative, scratch, best }),
+        },
         None => {
-            'all: for part_a in 0..first.count() {
-                for part_b in 0..second.count() {
-                    if best.measure([&first, &second], [part_a, part_b]) == Known::All {
-                        break 'all;
-                    }
-                }
-            }
+            let of_a = |part_a| (0..b.count()).map(move |part_b| [part_a, part_b]);
+            best.measure_all([a, b], (0..a.count()).flat_map(of_a));
         }
     }
     let (result, method) = best.answer();
@@ -79,8 +88,8 @@ pub fn distance(
 }
 
 /// The best so far.
-#[derive(Default)]
 struct Best {
+    accuracy: Accuracy,
     nearest: Option<Distance>,
     /// At most the true distance of any pair measured.
     lower: f64,
@@ -101,6 +110,27 @@ enum Known {
 }
 
 impl Best {
+    fn at(accuracy: Accuracy) -> Self {
+        Self {
+            accuracy,
+            nearest: None,
+            lower: 0.0,
+            touching: false,
+            undecided: None,
+            interval: None,
+            method: None,
+        }
+    }
+
+    /// Measures pairs of parts until two touch.
+    fn measure_all(&mut self, sides: [&Side<'_>; 2], pairs: impl IntoIterator<Item = [u32; 2]>) {
+        for parts in pairs {
+            if self.measure(sides, parts) == Known::All {
+                break;
+            }
+        }
+    }
+
     fn measure(&mut self, [a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Known {
         let (Some(in_a), Some(in_b)) =
             (pair::to_shape(a.part(part_a)), pair::to_shape(b.part(part_b)))
@@ -112,7 +142,7 @@ impl Best {
         if self.is_farther(in_a, in_b) {
             return Known::Some;
         }
-        let (result, method) = of_convex(in_a, in_b);
+        let (result, method) = of_convex(self.accuracy, in_a, in_b);
         self.method = self.method.max(Some(method));
         match result {
             DistanceResult::Touching => {
@@ -147,9 +177,11 @@ impl Best {
         Known::Some
     }
 
-    /// Whether f64 proves two parts farther apart than the nearest so far.
+    /// Whether f64 proves two parts farther apart than the nearest so far: not asked where f64 measures them.
     fn is_farther(&self, a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
-        let Some(nearest) = self.nearest else { return false };
+        let Some(nearest) = self.nearest.filter(|_| self.accuracy == Accuracy::Certified) else {
+            return false;
+        };
         let is_bounded = a.shape.is_bounded() && b.shape.is_bounded();
         let apart =
             |found| matches!(found, DistanceResult::Apart(d) if d.lower() > nearest.distance);

@@ -46,6 +46,7 @@ pub(crate) use deepest::{
     AS_DEEP, Effort, PartPair, deepest, deepest_of, pairs_of, part_index, touching_parts,
 };
 pub use distance::distance;
+pub(crate) use distance::distance_at;
 pub(crate) use nearest_triangle::distance_in_f32;
 pub(crate) use on_body::{
     TouchingTriangle, deepest_by_formula, depth_in_sphere, touching_triangles, triangles_in_sphere,

@@ -1,4 +1,4 @@
-//! How far a mesh is from convex shapes at the accuracy of f32.
+//! Which triangles of a mesh are nearest to convex shapes, and how far that is at the accuracy of f32.
 //!
 //! Triangles are met by the nearest boxes. One that was measured leaves a direction along which the shape is apart from
 //! it, and mostly from its neighbours: a triangle that is as far away along one as the nearest is known to be needs
@@ -43,31 +43,62 @@ pub(crate) fn distance_in_f32(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Di
     }
     let ([first, second], swapped) = in_order(a, b);
     let relative = RelativePose::of(&first, &second)?;
-    let mut nearest = Nearest { best: None, lower: f64::INFINITY };
-    let mut look_at = |shape| {
-        let alone = Side { parts: Parts::One(shape), pose: second.pose, reach: second.reach };
-        NearestTriangle::of([&first, &alone], &relative, &mut nearest)?.run()
-    };
-    let found = match second.parts {
-        Parts::One(shape) => look_at(shape)?,
-        Parts::Compound(compound) if compound.parts().len() <= PARTS => {
-            let mut found = Found::Apart;
-            for part in compound.parts() {
-                found = look_at(part.placed())?;
-                if matches!(found, Found::Touching) {
-                    break;
-                }
-            }
-            found
-        }
-        _ => return None,
-    };
-    match found {
+    let mut nearest = Nearest::default();
+    match search([&first, &second], &relative, &mut nearest)? {
         Found::Touching => Some(DistanceResult::Touching),
         Found::Apart => {
             let found = DistanceResult::Apart(nearest.distance()?);
             Some(if swapped { found.mirrored() } else { found })
         }
+    }
+}
+
+/// What f64 leaves of a mesh and a shape for the nearest pair of parts.
+pub(super) enum Left {
+    /// They touch.
+    Touching,
+    /// Pairs of a triangle and a part, by index in rising order: one of them is the nearest.
+    Near(Vec<[u32; 2]>),
+}
+
+/// Which triangles of a mesh and parts of a bounded convex shape or a compound of few may be nearest to each other; `None` of others,
+/// and where f64 leaves open whether they touch.
+pub(super) fn nearest_parts(sides: [&Side<'_>; 2], relative: &RelativePose) -> Option<Left> {
+    let mut nearest = Nearest { measured: Some(Vec::new()), ..Nearest::default() };
+    if let Found::Touching = search(sides, relative, &mut nearest)? {
+        return Some(Left::Touching);
+    }
+    let (limit, mut measured) = (nearest.limit(), nearest.measured?);
+    measured.retain(|one| one.lower <= limit);
+    let mut near: Vec<[u32; 2]> = measured.iter().map(|one| one.parts).collect();
+    near.sort_unstable();
+    Some(Left::Near(near))
+}
+
+/// Meets the triangles of the first shape, a mesh, by each part of the second. `None` of other shapes, and where a triangle
+/// could not be measured.
+fn search(
+    [first, second]: [&Side<'_>; 2],
+    relative: &RelativePose,
+    nearest: &mut Nearest,
+) -> Option<Found> {
+    let mut look_at = |part: u32, shape: &Shape| {
+        let alone = Side { parts: Parts::One(shape), pose: second.pose, reach: second.reach };
+        NearestTriangle::of([first, &alone], part, relative, nearest)?.run()
+    };
+    match second.parts {
+        Parts::One(shape) => look_at(0, shape),
+        Parts::Compound(compound) if compound.parts().len() <= PARTS => {
+            let mut found = Found::Apart;
+            for (number, part) in (0..).zip(compound.parts()) {
+                found = look_at(number, part.placed())?;
+                if matches!(found, Found::Touching) {
+                    break;
+                }
+            }
+            Some(found)
+        }
+        _ => None,
     }
 }
 
@@ -82,16 +113,44 @@ struct Nearest {
     best: Option<Distance>,
     /// At most the distance of every triangle that was met.
     lower: f64,
+    /// What was measured, where all that may be the nearest are wanted.
+    measured: Option<Vec<Measured>>,
+}
+
+/// A triangle and a part of the other shape, by index, and at most how far apart they are.
+struct Measured {
+    parts: [u32; 2],
+    lower: f64,
+}
+
+impl Default for Nearest {
+    fn default() -> Self {
+        Self { best: None, lower: f64::INFINITY, measured: None }
+    }
 }
 
 impl Nearest {
-    /// What is at least so far away does not change what is known.
+    /// What is at least so far away does not change what is known; where all that may be the nearest are wanted, is none
+    /// of them.
     fn limit(&self) -> f64 {
-        self.best.map_or(f64::MAX, |best| best.distance - best.error_bound)
+        let limit = |best: Distance| match self.measured {
+            Some(_) => (best.distance + best.error_bound).next_up(),
+            None => best.distance - best.error_bound,
+        };
+        self.best.map_or(f64::MAX, limit)
     }
 
-    fn add(&mut self, found: Distance) {
-        self.lower = self.lower.min(found.distance - found.error_bound);
+    /// How much nearer than that what is passed by may be, relative to the pair's size.
+    fn close(&self) -> f64 {
+        if self.measured.is_some() { 0.0 } else { CLOSE }
+    }
+
+    fn add(&mut self, parts: [u32; 2], found: Distance) {
+        let lower = found.distance - found.error_bound;
+        self.lower = self.lower.min(lower);
+        if let Some(measured) = &mut self.measured {
+            measured.push(Measured { parts, lower });
+        }
         if self.best.is_none_or(|best| found.distance < best.distance) {
             self.best = Some(found);
         }
@@ -111,6 +170,8 @@ struct NearestTriangle<'a> {
     mesh: &'a Mesh,
     /// The mesh, and the shape as if it were alone.
     sides: [&'a Side<'a>; 2],
+    /// Which part of the other shape that is.
+    part: u32,
     relative: &'a RelativePose,
     body: PosedSupport<'a, Shape>,
     /// Any triangle and the shape: what is the same of all.
@@ -126,15 +187,20 @@ struct NearestTriangle<'a> {
 impl<'a> NearestTriangle<'a> {
     fn of(
         sides: [&'a Side<'a>; 2],
+        part: u32,
         relative: &'a RelativePose,
         nearest: &'a mut Nearest,
     ) -> Option<Self> {
         let [first, second] = sides;
         let (mesh, Parts::One(shape)) = (first.mesh()?, second.parts) else { return None };
+        if !shape.is_bounded() {
+            return None;
+        }
         let couple = Couple::of([first.part(0), Part::Shape(shape)], [first.pose, second.pose])?;
         Some(Self {
             mesh,
             sides,
+            part,
             relative,
             body: PosedSupport::shape(shape, second.pose),
             slack: couple.slack(),
@@ -197,7 +263,7 @@ impl<'a> NearestTriangle<'a> {
         let Part::Triangle { corners, .. } = part else { return None };
         let limit = self.nearest.limit();
         let lower = self.lower(&corners);
-        if lower >= limit - CLOSE * self.couple.size() {
+        if lower >= limit - self.nearest.close() * self.couple.size() {
             self.nearest.lower = self.nearest.lower.min(lower);
             return Some(Found::Apart);
         }
@@ -206,7 +272,7 @@ impl<'a> NearestTriangle<'a> {
         match nearer(core.body(mesh.pose), self.body, [gap, limit]) {
             Nearer::Apart(found) => {
                 self.keep(found.normal);
-                self.nearest.add(found);
+                self.nearest.add([triangle, self.part], found);
             }
             Nearer::Beyond(direction) => self.keep(direction),
             Nearer::Touching => return Some(Found::Touching),

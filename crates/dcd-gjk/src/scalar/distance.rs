@@ -109,8 +109,11 @@ pub fn distance_at(
         return (found, Method::F64);
     }
     let is_bounded = a.shape.is_bounded() && b.shape.is_bounded();
-    if accuracy == Accuracy::Certified || mesh::have_parts(a.shape, b.shape) {
+    if accuracy == Accuracy::Certified {
         return distance(a, b);
+    }
+    if mesh::have_parts(a.shape, b.shape) {
+        return mesh::distance_at(Accuracy::F64, [a, b], &mut mesh::Scratch::default());
     }
     if !is_bounded {
         let found = half_space::distance_within(a, b, closed::AS_F64);
