@@ -153,6 +153,11 @@ impl PartPair<'_> {
         self.posed(a, b).map_or(Verdict::Undecided(Reason::Range), measure)
     }
 
+    /// It is known to be at most so deep, metres: the same for (a, b) and (b, a).
+    pub(crate) fn bound(&mut self, at_most: f64) {
+        self.at_most = OnceCell::from(at_most);
+    }
+
     /// Nothing is known of its depth any more.
     pub(crate) fn forget_bound(&mut self) {
         self.at_most = OnceCell::from(f64::INFINITY);

@@ -4,12 +4,12 @@
 use super::nearest_triangle::{Left, nearest_parts};
 use super::pair;
 use super::relative_pose::RelativePose;
-use super::side::Side;
+use super::side::{Parts, Side};
 use super::{Scratch, in_order};
 use crate::Method;
 use crate::distance::{Distance, DistanceResult, distance_at as of_convex, in_f64};
-use crate::query::Accuracy;
-use crate::{PosedShape, Reason};
+use crate::query::{Accuracy, may_be_nearest};
+use crate::{PosedShape, Reason, closed};
 use dcd_geom::{Aabb, Aabb16};
 use dcd_simd::{Kernel, Lanes, Row, WIDTH, dispatch};
 use std::cmp::Ordering;
@@ -70,21 +70,31 @@ pub(crate) fn distance_at(
     scratch: &mut Scratch,
 ) -> (DistanceResult, Method) {
     let ([first, second], swapped) = in_order(a, b);
+    let in_order = if swapped { [b, a] } else { [a, b] };
     let (a, b) = (&first, &second);
     let mut best = Best::at(accuracy);
-    match RelativePose::of(a, b) {
-        Some(relative) => match nearest_parts([a, b], &relative) {
+    if let Some(parts) = lowest_parts([a, b]).or_else(|| may_be_nearest(in_order)) {
+        best.measure_all([a, b], parts);
+    } else if let Some(relative) = RelativePose::of(a, b) {
+        match nearest_parts([a, b], &relative) {
             Some(Left::Touching) => best.touching = true,
             Some(Left::Near(parts)) => best.measure_all([a, b], parts),
             None => best = dispatch(NearestParts { a, b, relative: &relative, scratch, best }),
-        },
-        None => {
-            let of_a = |part_a| (0..b.count()).map(move |part_b| [part_a, part_b]);
-            best.measure_all([a, b], (0..a.count()).flat_map(of_a));
         }
+    } else {
+        let of_a = |part_a| (0..b.count()).map(move |part_b| [part_a, part_b]);
+        best.measure_all([a, b], (0..a.count()).flat_map(of_a));
     }
     let (result, method) = best.answer();
     (if swapped { result.mirrored() } else { result }, method)
+}
+
+/// The pairs of a triangle of a mesh and a half-space of which one is the nearest, by index; `None` of other shapes.
+fn lowest_parts([first, second]: [&Side<'_>; 2]) -> Option<Vec<[u32; 2]>> {
+    let (mesh, Parts::One(shape)) = (first.mesh()?, second.parts) else { return None };
+    let plane = PosedShape { shape, pose: second.pose };
+    let triangles = closed::level::lowest_triangles((mesh, first.pose), plane)?;
+    Some(triangles.into_iter().map(|triangle| [triangle, 0]).collect())
 }
 
 /// The best so far.

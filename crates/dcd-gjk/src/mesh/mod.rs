@@ -12,6 +12,7 @@ mod deepest;
 mod descent;
 mod distance;
 mod hull_axes;
+mod may_be_deepest;
 mod nearest_triangle;
 mod on_body;
 mod one_triangle;
@@ -47,6 +48,7 @@ pub(crate) use deepest::{
 };
 pub use distance::distance;
 pub(crate) use distance::distance_at;
+pub(crate) use may_be_deepest::may_be_deepest;
 pub(crate) use nearest_triangle::distance_in_f32;
 pub(crate) use on_body::{
     TouchingTriangle, deepest_by_formula, depth_in_sphere, touching_triangles, triangles_in_sphere,

@@ -1,6 +1,7 @@
 //! How deep touching pairs overlap.
 
-use super::{Accuracy, FoundPair, MeasureAt, MeasureDepth, few_parts, open_triangles, sampled};
+use super::few_parts::{self, Wanted};
+use super::{Accuracy, FoundPair, MeasureAt, MeasureDepth, open_triangles, sampled};
 use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
 use crate::mesh::{Effort, KnownParts, OfTriangle, PartPair};
@@ -201,7 +202,10 @@ pub(super) fn without_frame(
         if let Some(found) = of_few.or_else(|| is_f32.then(of_triangles).flatten()) {
             return Verdict::Touching(found);
         }
-        let pairs = mesh::touching_parts(a, b, &mut mesh::Scratch::default());
+        let pairs = match may_be_deepest(accuracy, [a, b], scratch) {
+            Some(parts) => mesh::pairs_of([a, b], &parts),
+            None => mesh::touching_parts(a, b, &mut mesh::Scratch::default()),
+        };
         return of_deepest(accuracy, &pairs, [a, b], scratch);
     }
     if let Some(verdict) = half_space::depth_within(a, b, closed::sharp_of(accuracy)) {
@@ -247,6 +251,21 @@ pub(super) fn without_frame(
 pub(super) fn by_frame(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
     let of_spheres = closed::depth_of_two_spheres(a, b, closed::sharp_of(accuracy));
     of_spheres.or_else(|| closed::gap(accuracy, a, b)?.depth())
+}
+
+/// The pairs of parts of which one is the deepest, as f64 knows it, so that the others need not be measured.
+fn may_be_deepest(
+    accuracy: Accuracy,
+    [a, b]: [PosedShape<'_>; 2],
+    scratch: &mut epa::Scratch,
+) -> Option<Vec<[u32; 2]>> {
+    // Else the parts of few were looked at before, in vain.
+    if accuracy == Accuracy::Certified
+        && let Some(found) = few_parts::touching(Wanted::Deepest, [a, b], scratch)
+    {
+        return Some(found.into_iter().map(|(parts, _)| parts).collect());
+    }
+    mesh::may_be_deepest(a, b)
 }
 
 /// The depth of the deepest of these parts of two shapes.

@@ -104,7 +104,7 @@ impl MeasureAt for Distances {
 }
 
 /// The distance of a sphere, a half-space or a compound of few parts and another, at the accuracies of f32 and f64; at that of f32 also
-/// of a mesh and another, and of a capsule and a capsule or cuboid. `None` of others, and where that leaves open whether they
+/// of a mesh and another that is no mesh, and of a capsule and a capsule or cuboid. `None` of others, and where that leaves open whether they
 /// touch.
 #[inline]
 pub(crate) fn distance_at_once(
@@ -128,13 +128,12 @@ pub(crate) fn distance_at_once(
     }
 }
 
-/// The same of a mesh and a sphere, another convex shape that is bounded, or a compound, at the accuracy of f32.
+/// The same of a mesh and a sphere; at the accuracy of f32 also of a mesh and another convex shape that is bounded, or a compound.
 #[inline(never)]
 fn distance_of_mesh(at: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
-    if at != Accuracy::F32 {
-        return None;
-    }
-    closed::centred::distance(a, b).or_else(|| mesh::distance_in_f32(a, b))
+    let of_sphere = closed::centred::distance(at, a, b);
+    let in_f32 = || if at == Accuracy::F32 { mesh::distance_in_f32(a, b) } else { None };
+    of_sphere.or_else(in_f32)
 }
 
 /// The verdict on two shapes of that distance for a margin. Where the bounds leave it open, the exact methods

@@ -5,6 +5,7 @@
 //! parts are moved at most, and by which a distance or a depth changes at most (docs/numerics/proofs.md, "Parts as they
 //! were given"). What that leaves open is left to the parts as they are placed.
 
+mod candidates;
 mod framed;
 mod slab;
 
@@ -13,6 +14,8 @@ use crate::distance::{Distance, DistanceResult, distance_at, gap_along};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, OfTriangle};
 use crate::{PosedShape, PosedSupport, Verdict, certified, closed};
+pub(crate) use candidates::may_be_nearest;
+pub(super) use candidates::touching;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Part, Polytope, Pose, Shape, SupportMap};
 use dcd_simd::ArrayVec;
@@ -114,9 +117,14 @@ impl<'a> Placed<'a> {
         Some(Self { whole, part: Some(part), centre, radius, slab: None, at })
     }
 
+    /// As it was given.
+    fn shape(&self) -> &Shape {
+        self.part.map_or(self.whole.shape, |part| &part.shape)
+    }
+
     /// As it was given, where it is; and by how much it is moved.
     fn posed(&self) -> Option<(PosedShape<'_>, f64)> {
-        let shape = self.part.map_or(self.whole.shape, |part| &part.shape);
+        let shape = self.shape();
         let (pose, moved) = match &self.at {
             &At::Known(pose, moved) => (pose, moved),
             At::Product(made) => {
@@ -189,17 +197,14 @@ impl<'a> Parts<'a> {
 
     /// Whether pairs with others of which it is true have a formula, nearly all.
     fn have_formulas(&self) -> bool {
-        let has = |placed: &Placed<'_>| match placed.part.map_or(placed.whole.shape, |p| &p.shape) {
+        use Kind::{Cuboid, Point, Segment, Triangle};
+        self.all().all(|(_, part)| match part.shape() {
             Shape::Polytope(polytope) => {
-                matches!(
-                    polytope.kind(),
-                    Kind::Point | Kind::Segment | Kind::Triangle | Kind::Cuboid { .. }
-                )
+                matches!(polytope.kind(), Point | Segment | Triangle | Cuboid { .. })
             }
             Shape::HalfSpace(_) => true,
             _ => false,
-        };
-        self.0.iter().flatten().all(has)
+        })
     }
 
     /// With their numbers.
@@ -334,7 +339,7 @@ impl<'a> Couple<'a> {
                     continue;
                 }
                 if let Known::Deep(depth) = touch(at, (part_a, part_b), self.lost, scratch)? {
-                    deepest = depth.depth.max(deepest);
+                    deepest = (depth.depth - depth.error_bound).max(deepest);
                     found([j, k], depth);
                 }
             }
@@ -394,40 +399,18 @@ pub(super) fn distance(at: Accuracy, [a, b]: [PosedShape<'_>; 2]) -> Option<Dist
     let framed = Framed::of(sides);
     let mut couple = Couple::default();
     couple.take(&framed)?;
-    let mut gaps = ArrayVec::<_, { MOST * MOST }>::new();
-    for (_, part_a) in couple.a.all() {
-        let gap = |part_b| part_a.gap(part_b) - couple.lost;
-        gaps.extend(couple.b.all().map(|(_, part_b)| (gap(part_b), [part_a, part_b])));
-    }
     let mut nearest: Option<Distance> = None;
     let mut lower = f64::INFINITY;
-    for first in 0..gaps.len() {
-        // The nearest spheres first: few need the others.
-        let least = (first..gaps.len()).min_by(|&j, &k| gaps[j].0.total_cmp(&gaps[k].0))?;
-        gaps.swap(first, least);
-        let (gap, [part_a, part_b]) = gaps[first];
-        if nearest.is_some_and(|nearest| gap > nearest.distance) {
-            break;
-        }
-        let ((in_a, moved_a), (in_b, moved_b)) = (part_a.posed()?, part_b.posed()?);
-        let moved = moved_a + moved_b + couple.lost;
-        if nearest.is_some_and(|nearest| are_beyond([in_a, in_b], moved, &nearest)) {
-            continue;
-        }
-        let DistanceResult::Apart(found) = distance_at(at, in_a, in_b).0 else {
-            return None;
-        };
-        let error_bound = (found.error_bound + moved).next_up();
-        let is_known = found.distance > error_bound
-            && is_good(at, (found.distance, error_bound), [in_a, in_b], OF_SIZE[1]);
+    couple.nearest(at, |_, sides, found| {
+        let is_known = found.distance > found.error_bound
+            && is_good(at, (found.distance, found.error_bound), sides, OF_SIZE[1]);
         if !is_known {
             return None;
         }
-        lower = lower.min(found.distance - error_bound);
-        if nearest.is_none_or(|nearest| found.distance < nearest.distance) {
-            nearest = Some(Distance { error_bound, ..found });
-        }
-    }
+        lower = lower.min(found.distance - found.error_bound);
+        let is_nearest = nearest.is_none_or(|nearest| found.distance < nearest.distance);
+        Some(if is_nearest { nearest.insert(found).distance } else { nearest?.distance })
+    })?;
     let nearest = nearest?;
     // Another may be nearer than the nearest by its own bound.
     let below = (nearest.distance - lower).next_up();
@@ -436,17 +419,56 @@ pub(super) fn distance(at: Accuracy, [a, b]: [PosedShape<'_>; 2]) -> Option<Dist
     Some(if swapped { found.mirrored() } else { found })
 }
 
-/// Whether two parts that are moved by so much are no nearer than others, as these show along their normal: one support of
+impl Couple<'_> {
+    /// Hands on the pairs of parts that may be the nearest, by index, where they are and how far apart, with what they are moved by
+    /// in the bound, the nearest spheres first. `met` returns from which distance on another is of no interest. `None` where it
+    /// returns that, and where a pair is not known to be apart.
+    fn nearest(
+        &self,
+        at: Accuracy,
+        mut met: impl FnMut([u32; 2], [PosedShape<'_>; 2], Distance) -> Option<f64>,
+    ) -> Option<()> {
+        let mut gaps = ArrayVec::<_, { MOST * MOST }>::new();
+        for (j, part_a) in self.a.all() {
+            let gap = |(k, part_b)| (part_a.gap(part_b) - self.lost, [j, k], [part_a, part_b]);
+            gaps.extend(self.b.all().map(gap));
+        }
+        let (mut nearest, mut limit): (Option<Distance>, f64) = (None, f64::INFINITY);
+        for first in 0..gaps.len() {
+            // The nearest spheres first: few need the others.
+            let least = (first..gaps.len()).min_by(|&j, &k| gaps[j].0.total_cmp(&gaps[k].0))?;
+            gaps.swap(first, least);
+            let (gap, pair, [part_a, part_b]) = gaps[first];
+            if gap > limit {
+                break;
+            }
+            let ((in_a, moved_a), (in_b, moved_b)) = (part_a.posed()?, part_b.posed()?);
+            let moved = moved_a + moved_b + self.lost;
+            if nearest.is_some_and(|found| are_beyond([in_a, in_b], moved, (found.normal, limit))) {
+                continue;
+            }
+            let DistanceResult::Apart(found) = distance_at(at, in_a, in_b).0 else {
+                return None;
+            };
+            let found = Distance { error_bound: (found.error_bound + moved).next_up(), ..found };
+            limit = met(pair, [in_a, in_b], found)?;
+            if nearest.is_none_or(|nearest| found.distance < nearest.distance) {
+                nearest = Some(found);
+            }
+        }
+        Some(())
+    }
+}
+
+/// Whether two parts that are moved by so much are no nearer than a limit, as the normal of others shows: one support of
 /// each in place of a search. False of spheres and capsules, whose distances mostly take a formula.
-fn are_beyond([a, b]: [PosedShape<'_>; 2], moved: f64, nearest: &Distance) -> bool {
+fn are_beyond([a, b]: [PosedShape<'_>; 2], moved: f64, (normal, limit): (DVec3, f64)) -> bool {
     let is_round = |side: PosedShape<'_>| {
         let kind = side.shape.as_polytope().map(Polytope::kind);
         matches!(kind, Some(Kind::Point | Kind::Segment))
     };
-    let gap = || gap_along(a, b, nearest.normal);
-    !is_round(a)
-        && !is_round(b)
-        && gap().is_some_and(|gap| (gap - moved).next_down() >= nearest.distance)
+    let gap = || gap_along(a, b, normal);
+    !is_round(a) && !is_round(b) && gap().is_some_and(|gap| (gap - moved).next_down() >= limit)
 }
 
 #[cfg(test)]

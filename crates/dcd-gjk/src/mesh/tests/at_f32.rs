@@ -65,7 +65,7 @@ fn pose(draw: &mut Draw, round: usize, far: DVec3) -> Pose {
 /// What is found at once.
 fn at_once(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
     closed::level::distance(Accuracy::F32, a, b)
-        .or_else(|| closed::centred::distance(a, b))
+        .or_else(|| closed::centred::distance(Accuracy::F32, a, b))
         .or_else(|| crate::mesh::distance_in_f32(a, b))
 }
 

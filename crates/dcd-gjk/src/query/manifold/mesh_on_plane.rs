@@ -1,4 +1,4 @@
-//! A mesh on a half-space at the accuracies of f32 and f64: its vertices below the plane, each once.
+//! A mesh on a half-space: its vertices below the plane, each once.
 //!
 //! Every triangle that is below meets the plane along one normal: there is one manifold, and no pair of parts is looked
 //! at.
@@ -6,10 +6,10 @@
 use super::clip::different;
 use super::reduce::{self, Spot};
 use super::{Feature, Manifold, ManifoldPoint, ManifoldSet, SAME, bound_of};
-use crate::PosedShape;
-use crate::epa::Depth;
+use crate::epa::{self, Depth};
 use crate::mesh::PartIndex;
 use crate::query::{Accuracy, depths};
+use crate::{PosedShape, Verdict};
 use dcd_geom::glam::{DVec2, DVec3};
 use dcd_geom::{Mesh, Shape};
 use dcd_simd::HeightsAlong;
@@ -54,12 +54,25 @@ pub(super) struct Scratch {
 pub(super) fn measure(
     at: Accuracy,
     sides: [PosedShape<'_>; 2],
-    scratch: &mut Scratch,
+    (scratch, memory): (&mut Scratch, &mut epa::Scratch),
 ) -> Option<ManifoldSet> {
     let (Shape::Mesh(mesh), Shape::HalfSpace(_)) = (sides[0].shape, sides[1].shape) else {
         return None;
     };
-    let depth = depths::by_frame(at, sides[0], sides[1])?;
+    // The other vertices are as deep as f64 has it, whatever is asked for of the deepest.
+    let [mesh_side, plane] = sides;
+    let (depth, in_f64) = match at {
+        Accuracy::Certified => {
+            let in_f64 = depths::by_frame(Accuracy::F64, mesh_side, plane)?;
+            let certified = depths::of_touching(at, mesh_side, plane, memory);
+            let Verdict::Touching(depth) = certified else { return None };
+            (depth, in_f64)
+        }
+        _ => {
+            let depth = depths::by_frame(at, mesh_side, plane)?;
+            (depth, depth)
+        }
+    };
     let resting = Resting::of(mesh, sides, &depth);
     scratch.list(&resting)?;
     let below = &mut scratch.below;
@@ -75,7 +88,7 @@ pub(super) fn measure(
     found.points[0].depth = depth.depth;
     found.parts = found.points[0].parts;
     // What is lost of a depth, once more of the other vertices'.
-    let error_bound = bound_of(&depth, 0.0, sides) + depth.error_bound;
+    let error_bound = bound_of(&depth, 0.0, sides) + in_f64.error_bound;
     let inside = kept[..count].iter().map(|&k| resting.inside(&below[k], &depth));
     found.error_bound = (error_bound + inside.fold(0.0, f64::max)).min(f64::MAX);
     Some(found.into())

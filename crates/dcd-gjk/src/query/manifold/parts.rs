@@ -8,6 +8,7 @@ use super::{Feature, Manifold, ManifoldSet, Scratch, write_one_point};
 use super::{mesh_on_plane, on_mesh};
 use crate::epa::Depth;
 use crate::mesh::{self, Effort, KnownParts, PartPair};
+use crate::query::few_parts::{self, Wanted};
 use crate::query::{Accuracy, depths};
 use crate::{PosedShape, Reason, Verdict, epa};
 
@@ -84,9 +85,8 @@ fn write_in_order(
     (scratch, set): (&mut Scratch, &mut ManifoldSet),
 ) -> Result<(), Reason> {
     let Scratch { depth: memory, corners, parts, on_mesh, on_plane, .. } = scratch;
-    if how.accuracy != Accuracy::Certified
-        && how.options == ManifoldOptions::default()
-        && let Some(found) = mesh_on_plane::measure(how.accuracy, sides, on_plane)
+    if how.options == ManifoldOptions::default()
+        && let Some(found) = mesh_on_plane::measure(how.accuracy, sides, (on_plane, &mut *memory))
     {
         *set = found;
         return Ok(());
@@ -100,7 +100,8 @@ fn write_in_order(
     *set = ManifoldSet::default();
     let mut pairs = match touching {
         Some(touching) => mesh::pairs_of(sides, touching.parts),
-        None => mesh::touching_parts(sides[0], sides[1], parts),
+        None => touching_few(how.accuracy, sides, memory)
+            .unwrap_or_else(|| mesh::touching_parts(sides[0], sides[1], parts)),
     };
     if how.options != ManifoldOptions::default() {
         // What bounds a depth does not bound one along another normal.
@@ -123,6 +124,26 @@ fn write_in_order(
         set.push(none);
     }
     Ok(())
+}
+
+/// The pairs of few parts that touch, with what f64 knows of their depths: most of them are less deep than others, and not
+/// certified.
+fn touching_few<'s>(
+    accuracy: Accuracy,
+    sides: [PosedShape<'s>; 2],
+    memory: &mut epa::Scratch,
+) -> Option<Vec<PartPair<'s>>> {
+    // Over a plane a part is certified as soon as f64 knows it.
+    if accuracy != Accuracy::Certified || !sides.iter().all(|side| side.shape.is_bounded()) {
+        return None;
+    }
+    let found = few_parts::touching(Wanted::All, sides, memory)?;
+    let parts: Vec<[u32; 2]> = found.iter().map(|&(parts, _)| parts).collect();
+    let mut pairs = mesh::pairs_of(sides, &parts);
+    for (pair, (_, at_most)) in pairs.iter_mut().zip(found) {
+        pair.bound(at_most);
+    }
+    Some(pairs)
 }
 
 impl Measure {

@@ -26,10 +26,14 @@ pub(super) const DEVIATION: f64 = 3.0;
 
 /// The largest deviation of a pose at the accuracy of f32: a direction turned by it is of unit length but for rounding.
 /// Larger: normals that are not.
-const TURNED: f64 = 1e-12;
+pub(super) const TURNED: f64 = 1e-12;
 
 /// The same at that of f64: a bound of at most 3e-14 of the pair's size. A rotation's is some 50u.
 const ORTHONORMAL: f64 = 64.0 * UNIT;
+
+/// By how much more than rounding a distance may be off at the accuracy of f64, for a bound of at most 3e-14 of the pair's size.
+/// Unit: u of it. Larger: wider bounds. Smaller: more searches.
+const UNSURE: f64 = 24.0;
 
 /// The least distance of the centre from the core's surface of which a direction is taken, metres: its square does not
 /// underflow.
@@ -46,13 +50,17 @@ struct Beside {
     unsure: f64,
 }
 
-/// How far apart they are, or that they touch, at the accuracy of f32; `None` for other kinds, and where f64 proves
-/// neither. What a pose is off a rotation by is more than distances in f64 lose otherwise.
+/// How far apart a sphere and another are, or that they touch; `None` for other kinds, where f64 proves neither, and at the
+/// certified accuracy. What a pose is off a rotation by is more than distances in f64 lose otherwise.
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
 #[inline]
-pub(crate) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
-    gap_of(Accuracy::F32, a, b)?.distance()
+pub(crate) fn distance(
+    accuracy: Accuracy,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+) -> Option<DistanceResult> {
+    gap_of(accuracy, a, b)?.distance()
 }
 
 /// The largest deviation of a pose that is taken for a rotation at an accuracy: none at the certified one.
@@ -75,21 +83,19 @@ enum Core<'a> {
         high: f64,
     },
     Curved(&'a Curved),
-    /// At the accuracy of f32 alone.
     Triangle(&'a Polytope),
     Hull(&'a Polytope),
-    /// Its nearest triangle, likewise.
+    /// Its nearest triangle.
     Mesh(&'a Mesh),
 }
 
 impl<'a> Core<'a> {
     #[inline(always)]
-    fn of(accuracy: Accuracy, shape: &'a Shape) -> Option<Self> {
-        let is_f32 = accuracy == Accuracy::F32;
+    fn of(shape: &'a Shape) -> Option<Self> {
         match shape {
             Shape::Polytope(polytope) => match (polytope.kind(), polytope.vertices()) {
-                (Kind::Triangle, _) if is_f32 => Some(Self::Triangle(polytope)),
-                (Kind::Hull, _) if is_f32 => Some(Self::Hull(polytope)),
+                (Kind::Triangle, _) => Some(Self::Triangle(polytope)),
+                (Kind::Hull, _) => Some(Self::Hull(polytope)),
                 (Kind::Cuboid { half_extents }, _) => Some(Self::Cuboid(half_extents)),
                 (Kind::Segment, &[p, q]) if p.x == q.x && p.y == q.y => {
                     let (low, high) = if p.z <= q.z { (p, q.z) } else { (q, p.z) };
@@ -98,7 +104,7 @@ impl<'a> Core<'a> {
                 _ => None,
             },
             Shape::Curved(curved) => Some(Self::Curved(curved)),
-            Shape::Mesh(mesh) if is_f32 => Some(Self::Mesh(mesh)),
+            Shape::Mesh(mesh) => Some(Self::Mesh(mesh)),
             _ => None,
         }
     }
@@ -224,22 +230,17 @@ pub(crate) fn gap_and_outward(
     let most = largest_deviation(accuracy)?;
     let swapped = !is_sphere(a);
     let (sphere, other) = if swapped { (b, a) } else { (a, b) };
-    let core = Core::of(accuracy, other.shape)?;
+    let core = Core::of(other.shape)?;
     let Shape::Polytope(round) = sphere.shape else { return None };
     if round.kind() != Kind::Point || other.pose.deviation() > most {
         return None;
     }
-    gap_between((round, sphere.pose), (core, other), swapped)
-}
-
-#[inline(always)]
-fn gap_between(
-    (sphere, at): (&Polytope, &Pose),
-    (core, other): (Core<'_>, PosedShape<'_>),
-    swapped: bool,
-) -> Option<(Gap, DVec3)> {
-    let seen = Seen::of((sphere, at), other)?;
+    let seen = Seen::of((round, sphere.pose), other)?;
     let beside = core.beside(seen.place)?;
+    // What is proposed by an edge or a face is mostly known as well as f64 knows anything.
+    if accuracy == Accuracy::F64 && beside.unsure > UNSURE * UNIT * seen.size {
+        return None;
+    }
     Some((seen.gap(beside, swapped), beside.outward))
 }
 
@@ -253,6 +254,8 @@ struct Seen<'a> {
     /// Round the core of the other.
     swept: f64,
     other: &'a Pose,
+    /// Of the pair, at least: metres.
+    size: f64,
     /// What the centre's distance from the core may be off by: metres.
     error: f64,
 }
@@ -287,7 +290,7 @@ impl<'a> Seen<'a> {
         let place = DVec3::new(x_axis.dot(from), y_axis.dot(from), z_axis.dot(from));
         let error = (lost * UNIT + DEVIATION * other.pose.deviation()) * size;
         let centre = at.translation() + turned;
-        Some(Self { place, centre, radius, swept, other: other.pose, error })
+        Some(Self { place, centre, radius, swept, other: other.pose, size, error })
     }
 
     /// From the sphere, given where its centre is beside the core.

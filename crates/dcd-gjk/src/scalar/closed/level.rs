@@ -11,7 +11,7 @@ use super::{SIZES, UNIT};
 use crate::query::Accuracy;
 use crate::{DistanceResult, PosedShape};
 use dcd_geom::glam::{DMat3, DVec3};
-use dcd_geom::{Curved, HalfSpace, Kind, Mesh, Polytope, Shape, Support, SupportMap, Vector};
+use dcd_geom::{Curved, HalfSpace, Kind, Mesh, Polytope, Pose, Shape, Support, SupportMap, Vector};
 use dcd_simd::HeightsAlong;
 pub(crate) use in_frame::PlaneInFrame;
 
@@ -66,6 +66,41 @@ pub(crate) fn gap_and_lowest(
     gap_above(half_space, plane, other, swapped)
 }
 
+/// A plane as another shape sees it.
+struct PlaneAtShape {
+    /// Out of the half-space, of unit length: in the world, and in the shape's own frame.
+    outward: DVec3,
+    along: DVec3,
+    offset: f64,
+    /// From the plane's origin to the shape's, in the world.
+    delta: DVec3,
+}
+
+impl PlaneAtShape {
+    #[inline(always)]
+    fn of(half_space: &HalfSpace, plane: &Pose, shape: &Pose) -> Self {
+        let normal = half_space.normal();
+        let length = normal.length();
+        let outward = *plane.rotation() * (normal / length);
+        let offset = half_space.offset() / length;
+        let delta = shape.translation() - plane.translation();
+        let DMat3 { x_axis, y_axis, z_axis } = shape.rotation();
+        let along = DVec3::new(x_axis.dot(outward), y_axis.dot(outward), z_axis.dot(outward));
+        Self { outward, along, offset, delta }
+    }
+
+    /// How far the gap of a point of the shape may be off, where it reaches so far from its own origin and the two are swept by
+    /// `radius` together; `None` where a length is out of range.
+    #[inline(always)]
+    fn error(&self, (reach, radius): (f64, f64), plane: &Pose, shape: &Pose) -> Option<f64> {
+        let reach = reach * (1.0 + shape.deviation());
+        let size = reach + self.delta.norm1() + self.offset.abs() + radius;
+        // False for NaN. A normal's squares are in range with its components.
+        let is_in_range = SIZES.contains(&size);
+        is_in_range.then(|| (LOST * UNIT + DEVIATION * plane.deviation()) * size)
+    }
+}
+
 #[inline(always)]
 fn gap_above(
     half_space: &HalfSpace,
@@ -73,25 +108,47 @@ fn gap_above(
     other: PosedShape<'_>,
     swapped: bool,
 ) -> Option<(Gap, Option<u32>)> {
-    let normal = half_space.normal();
-    let length = normal.length();
-    let outward = *plane.pose.rotation() * (normal / length);
-    let offset = half_space.offset() / length;
-    let delta = other.pose.translation() - plane.pose.translation();
-    let DMat3 { x_axis, y_axis, z_axis } = other.pose.rotation();
-    let along = DVec3::new(x_axis.dot(outward), y_axis.dot(outward), z_axis.dot(outward));
+    let seen = PlaneAtShape::of(half_space, plane.pose, other.pose);
+    let PlaneAtShape { outward, along, offset, delta } = seen;
     let Lowest { point, height, vertex, reach, swept } = Lowest::of(other.shape, along)?;
     let radius = half_space.swept_radius() + swept;
     let value = (height + outward.dot(delta)) - offset - radius;
-    let size = reach * (1.0 + other.pose.deviation()) + delta.norm1() + offset.abs() + radius;
-    // False for NaN. A normal's squares are in range with its components.
-    if !SIZES.contains(&size) {
-        return None;
-    }
-    let error = (LOST * UNIT + DEVIATION * plane.pose.deviation()) * size;
+    let error = seen.error((reach, radius), plane.pose, other.pose)?;
     let lowest = other.pose.apply(point) - outward * swept;
     let on_plane = lowest - outward * value;
     Some((Gap::new((value, error), outward, [on_plane, lowest], swapped), vertex))
+}
+
+/// The triangles of a mesh of which one has the corner that is lowest over a half-space's plane, by index in rising order; `None`
+/// of another shape than that, and where a length is out of range.
+pub(crate) fn lowest_triangles(
+    (mesh, at): (&Mesh, &Pose),
+    plane: PosedShape<'_>,
+) -> Option<Vec<u32>> {
+    let Shape::HalfSpace(half_space) = plane.shape else { return None };
+    // Written so that NaN is too far from a rotation.
+    if !(plane.pose.deviation() <= super::centred::TURNED) {
+        return None;
+    }
+    let seen = PlaneAtShape::of(half_space, plane.pose, at);
+    let (_, height) = lowest_of_mesh(mesh, seen.along)?;
+    let radius = half_space.swept_radius() + mesh.swept_radius();
+    let error = seen.error((mesh.reach(), radius), plane.pose, at)?;
+    // Two heights may be off, and their sum is rounded.
+    let most = (height + 2.0 * error).next_up();
+    let tree = mesh.tree();
+    let test = HeightsAlong::new(seen.along, &tree.aabb())?;
+    let mut lowest = Vec::new();
+    tree.visit_within(&test, test.key_of(most), &mut |triangle| {
+        let corners = mesh.corners(triangle as usize);
+        let is_low = |corner: &DVec3| corner.dot(seen.along) <= most;
+        if corners.iter().flatten().any(is_low) {
+            lowest.push(triangle);
+        }
+        true
+    });
+    lowest.sort_unstable();
+    Some(lowest)
 }
 
 /// Where a shape is lowest.
