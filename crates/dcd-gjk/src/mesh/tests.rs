@@ -3,6 +3,7 @@
 mod at_f32;
 mod at_once;
 mod measures;
+mod part_by_part;
 
 use super::{Scratch, overlap, overlap_on, touching};
 use crate::distance::DistanceResult;

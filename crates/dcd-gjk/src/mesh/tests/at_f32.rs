@@ -7,7 +7,7 @@ use crate::query::{Accuracy, MeasureAt};
 use crate::{Depths, closed};
 
 /// About a metre across; each may be rounded.
-fn body(draw: &mut Draw, kind: usize) -> Shape {
+pub(super) fn body(draw: &mut Draw, kind: usize) -> Shape {
     let half = draw.point(0.4).abs() + 0.05;
     let made = match kind {
         0 => Shape::sphere(half.x),
@@ -27,7 +27,7 @@ fn body(draw: &mut Draw, kind: usize) -> Shape {
 
 /// Strewn triangles, needles and points among them; a wavy sheet; a level one, of which many corners are as near and
 /// as low as any other.
-fn mesh(draw: &mut Draw, round: usize) -> Shape {
+pub(super) fn mesh(draw: &mut Draw, round: usize) -> Shape {
     let made = match round % 3 {
         0 => draw.mesh(1 + round % 61, 0.7),
         sheet => {
@@ -52,7 +52,7 @@ fn mesh(draw: &mut Draw, round: usize) -> Shape {
 }
 
 /// A pose in reach, turned by right angles or not at all one time in three each.
-fn pose(draw: &mut Draw, round: usize, far: DVec3) -> Pose {
+pub(super) fn pose(draw: &mut Draw, round: usize, far: DVec3) -> Pose {
     let pose = draw.pose(0.9);
     let turn = match round % 3 {
         0 => DMat3::IDENTITY,

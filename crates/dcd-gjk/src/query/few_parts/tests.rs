@@ -1,10 +1,10 @@
 //! Parts as they were given beside parts as they are placed.
 
-use super::{depth, distance, name};
+use super::{Wanted, depth, distance, may_be_nearest, name, touching};
 use crate::distance::{DistanceResult, distance as certified_distance, gap_along};
 use crate::motion::tests::Draw;
 use crate::query::{Accuracy, Feature, MeasureAt};
-use crate::{Depths, Manifolds, PosedShape, Verdict, mesh};
+use crate::{Depths, Manifolds, PosedShape, Verdict, certified, mesh};
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Pose, Shape};
 
@@ -101,6 +101,71 @@ fn depths_and_distances_of_few_parts_are_those_of_the_placed_parts() {
         }
     }
     assert!(deep > 1000 && apart > 500 && asked > deep, "{deep} {apart}");
+}
+
+/// The parts of a shape as they are placed.
+fn placed(shape: &Shape) -> Vec<&Shape> {
+    match shape {
+        Shape::Compound(compound) => compound.parts().iter().map(|part| part.placed()).collect(),
+        other => vec![other],
+    }
+}
+
+fn touch(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
+    certified::overlap_of(a, b).0 == Verdict::Touching(())
+}
+
+#[test]
+fn what_f64_leaves_of_few_parts_holds_the_nearest_and_the_deepest() {
+    let mut draw = draw(16);
+    let (mut deep, mut apart, mut fewer) = (0, 0, 0);
+    for k in 0..1500 {
+        let (shapes, poses) = pair(&mut draw, k);
+        let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+        let all = || {
+            let pairs = (0..).zip(placed(a.shape)).flat_map(|(j, in_a)| {
+                (0..).zip(placed(b.shape)).map(move |(l, in_b)| ([j, l], in_a, in_b))
+            });
+            pairs.map(|(pair, in_a, in_b)| {
+                (pair, [PosedShape { shape: in_a, ..a }, PosedShape { shape: in_b, ..b }])
+            })
+        };
+        if let Some(near) = may_be_nearest([a, b]) {
+            let distance_of = |[a, b]: [PosedShape<'_>; 2]| match certified_distance(a, b).0 {
+                DistanceResult::Apart(found) => found.distance,
+                found => panic!("{k}: {found:?}"),
+            };
+            let of_all = all().map(|(_, sides)| distance_of(sides)).fold(f64::INFINITY, f64::min);
+            let of_near = all().filter(|(pair, _)| near.contains(pair));
+            let least = of_near.map(|(_, sides)| distance_of(sides)).fold(f64::INFINITY, f64::min);
+            assert_eq!(least, of_all, "{k}: {near:?}");
+            fewer += usize::from(near.len() < all().count());
+            apart += 1;
+        }
+        let mut scratch = Default::default();
+        let Some(touching) = touching(Wanted::All, [a, b], &mut scratch) else { continue };
+        let deepest = super::touching(Wanted::Deepest, [a, b], &mut scratch).unwrap();
+        let mut greatest = [0.0f64; 2];
+        for (pair, [a, b]) in all() {
+            let bound = touching.iter().find(|(of, _)| *of == pair).map(|&(_, bound)| bound);
+            match (Depths.measure_at(Accuracy::Certified, a, b, &mut scratch), bound) {
+                (Verdict::Touching(found), Some(bound)) if touch(a, b) => {
+                    let least = found.depth - found.error_bound;
+                    assert!(least <= bound, "{k}: {found:?} {bound}");
+                    let is_left = deepest.iter().any(|(of, _)| *of == pair);
+                    // Of those that are left at most, of the others at least.
+                    let (number, end) =
+                        if is_left { (0, found.depth + found.error_bound) } else { (1, least) };
+                    greatest[number] = greatest[number].max(end);
+                }
+                (_, None) => assert!(!touch(a, b), "{k}: {pair:?}"),
+                (found, _) => panic!("{k}: {found:?}"),
+            }
+        }
+        assert!(greatest[0] >= greatest[1], "{k}: {greatest:?} {deepest:?}");
+        deep += 1;
+    }
+    assert!(deep > 300 && apart > 100 && fewer > 50, "{deep} {apart} {fewer}");
 }
 
 #[test]

@@ -97,6 +97,17 @@ fn write_in_order(
     {
         return Ok(());
     }
+    write_pair_by_pair(how, touching, sides, (scratch, set))
+}
+
+/// The same in the general way, of any shapes.
+pub(super) fn write_pair_by_pair(
+    how: Measure,
+    touching: Option<KnownParts<'_>>,
+    sides: [PosedShape<'_>; 2],
+    (scratch, set): (&mut Scratch, &mut ManifoldSet),
+) -> Result<(), Reason> {
+    let Scratch { depth: memory, corners, parts, .. } = scratch;
     *set = ManifoldSet::default();
     let mut pairs = match touching {
         Some(touching) => mesh::pairs_of(sides, touching.parts),

@@ -1,7 +1,9 @@
 //! Meshes on half-spaces, and spheres in meshes, beside the manifolds of all pairs of parts.
 
 use crate::motion::tests::Draw;
-use crate::query::{Accuracy, Feature, Manifold, MeasureAt, PartIndex};
+use crate::query::manifold::Scratch;
+use crate::query::manifold::parts::{Measure, write_pair_by_pair};
+use crate::query::{Accuracy, Feature, Manifold, ManifoldOptions, MeasureAt, PartIndex};
 use crate::{Depths, ManifoldSet, Manifolds, PosedShape, Verdict, certified};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Mesh, Pose, Shape, SupportMap};
@@ -44,6 +46,14 @@ fn manifolds(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option
         Verdict::Touching(found) => Some(found),
         _ => None,
     }
+}
+
+/// The certified manifolds in the general way.
+fn pair_by_pair(a: PosedShape<'_>, b: PosedShape<'_>) -> ManifoldSet {
+    let how = Measure { accuracy: Accuracy::Certified, options: ManifoldOptions::default() };
+    let mut found = ManifoldSet::default();
+    write_pair_by_pair(how, None, [a, b], (&mut Scratch::default(), &mut found)).unwrap();
+    found
 }
 
 fn deepest(a: PosedShape<'_>, b: PosedShape<'_>) -> crate::epa::Depth {
@@ -115,7 +125,7 @@ fn a_mesh_rests_on_a_half_space_on_the_deepest_and_the_farthest_of_its_vertices(
     let seed = std::env::var("DCD_SEED").map_or(6, |seed| seed.parse().expect("a seed"));
     let mut draw = Draw(seed);
     let (mut touching, mut wider) = (0, 0);
-    let mut scratch = Default::default();
+    let (mut scratch, mut memory) = (Default::default(), Default::default());
     for k in 0..600usize {
         let mesh = mesh(&mut draw, k);
         // On the sheets' faces, on their edges with vertices above each other, and aslant.
@@ -131,10 +141,12 @@ fn a_mesh_rests_on_a_half_space_on_the_deepest_and_the_farthest_of_its_vertices(
         let shape = Shape::from(mesh.clone());
         let a = PosedShape { shape: &shape, pose: &poses[0] };
         let b = PosedShape { shape: &half_space, pose: &poses[1] };
-        let Some(found) = super::measure(Accuracy::F32, [a, b], &mut scratch) else { continue };
+        let at = [Accuracy::F32, Accuracy::F64, Accuracy::Certified][k / 2 % 3];
+        let (memory, scratch) = (&mut memory, &mut scratch);
+        let Some(found) = super::measure(at, [a, b], (scratch, memory)) else { continue };
         let what = format!("{k}");
-        assert_eq!(manifolds(Accuracy::F32, a, b).as_ref(), Some(&found), "{what}");
-        let back = manifolds(Accuracy::F32, b, a).map(mirrored);
+        assert_eq!(manifolds(at, a, b).as_ref(), Some(&found), "{what}");
+        let back = manifolds(at, b, a).map(mirrored);
         assert_eq!(back.as_ref(), Some(&found), "{what}");
         let [found] = &found[..] else { panic!("{what}: {found:?}") };
         let best = deepest(a, b);
@@ -144,7 +156,7 @@ fn a_mesh_rests_on_a_half_space_on_the_deepest_and_the_farthest_of_its_vertices(
         check_points(&what, found, &mesh, a, b);
         check_farthest(&what, found, &mesh, a);
         // What the pairs of parts show is among the vertices.
-        let general = manifolds(Accuracy::Certified, a, b).unwrap();
+        let general = pair_by_pair(a, b);
         let [general] = &general[..] else { panic!("{what}: {general:?}") };
         assert!(found.points().len() >= general.points().len().min(3), "{what}: {found:?}");
         let reach = shape.reach() + shape.radius();
