@@ -214,7 +214,9 @@ pub(super) fn without_frame(
     if let Some(found) = upright(a, b).or_else(|| by_formula(accuracy, a, b)) {
         return Verdict::Touching(found);
     }
-    if accuracy == Accuracy::F32
+    // Of curved shapes at f32 alone; a certified bound is to be as near as a search has it.
+    let are_polytopes = a.shape.as_polytope().is_some() && b.shape.as_polytope().is_some();
+    if (accuracy == Accuracy::F32 || accuracy == Accuracy::F64 && are_polytopes)
         && let Some(OfTriangle::Deep(found)) = mesh::of_triangle(a, b, tolerance(accuracy))
     {
         return Verdict::Touching(found);
