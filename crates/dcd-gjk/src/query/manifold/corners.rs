@@ -269,7 +269,7 @@ impl Corners {
         let mut pairs = [None; 4];
         if self.size == 0.0 {
             write_one_point(depth, features, found);
-            found.error_bound = (found.error_bound + missed(depth)).min(f64::MAX);
+            found.error_bound = (bound_of(depth, 0.0, [a, b]) + missed(depth)).min(f64::MAX);
             return pairs;
         }
         drop_doubles(&mut self.corners, self.size);

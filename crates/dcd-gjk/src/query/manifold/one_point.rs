@@ -108,8 +108,8 @@ mod tests {
     use super::super::write_in_order;
     use super::*;
     use crate::motion::tests::Draw;
-    use crate::query::{Accuracy, depths};
-    use crate::{closed, order};
+    use crate::query::{Accuracy, Manifolds, MeasureAt, depths};
+    use crate::{certified, closed, order};
     use dcd_geom::Pose;
     use dcd_geom::glam::DQuat;
 
@@ -161,6 +161,37 @@ mod tests {
             }
         }
         assert!(counts.as_flattened().iter().all(|&count| count > 100), "{counts:?}");
+    }
+
+    #[test]
+    fn single_points_far_from_the_origin_are_off_their_surfaces_by_no_more_than_the_bound() {
+        let (mut draw, mut counts) = (Draw(43), [0; 2]);
+        for k in 0..2000 {
+            let far = draw.vector() * 3e8;
+            let shapes = [
+                Shape::hull(vec![DVec3::ZERO]).unwrap().swept(0.8).unwrap(),
+                // Another hull of one point, or a capsule of no length.
+                match k % 2 {
+                    0 => Shape::hull(vec![DVec3::ZERO]).unwrap().swept(0.3).unwrap(),
+                    _ => Shape::capsule(0.0, 0.3).unwrap(),
+                },
+            ];
+            let poses = [0; 2].map(|_| Pose::from_translation(far + draw.vector() * 0.5).unwrap());
+            let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+            if certified::overlap_of(a, b).0 != Verdict::Touching(()) {
+                continue;
+            }
+            counts[k % 2] += 1;
+            let found =
+                Manifolds::default().measure_at(Accuracy::F64, a, b, &mut Default::default());
+            let Verdict::Touching(found) = found else { panic!("{k}: {found:?}") };
+            let [only] = found[0].points() else { panic!("{k}: {found:?}") };
+            for (side, at, radius) in [(a, only.point_a, 0.8), (b, only.point_b, 0.3)] {
+                let off = (at.distance(side.pose.translation()) - radius).abs();
+                assert!(off <= found[0].error_bound, "{k}: {off} {found:?}");
+            }
+        }
+        assert!(counts.iter().all(|&count| count > 500), "{counts:?}");
     }
 
     #[test]
