@@ -30,8 +30,9 @@ impl<'a> HullFeatures<'a> {
 
     /// Where an edge begins, and what leads to its end.
     pub(crate) fn edge(&self, edge: usize) -> Option<[DVec3; 2]> {
-        let [from, to] = self.rows.edge_vertices(edge)?.map(|end| self.vertex(end as usize));
-        Some([from, to - from])
+        let [from, to] = self.rows.edge_vertices(edge)?.map(|end| end as usize);
+        // Not from the centre: a short edge would lose more than u of its length.
+        Some([self.vertex(from), self.hull.vertices()[to] - self.hull.vertices()[from]])
     }
 
     /// How far it reaches along a direction.
