@@ -71,7 +71,8 @@ fn depth_from_hull(
     let depth = reach + radius;
     let error_bound = (reach - at_least).max(0.0) + placed.off + beside + rounding;
     let turn = side.pose.rotation();
-    let normal = *turn * least.outward;
+    // Of unit length also where the pose is hardly a rotation: radii may be many times the size.
+    let normal = (*turn * least.outward).normalize();
     let at_hull = *turn * (at_hull + hull.inner().centre) + normal * hull.swept_radius();
     let point_a = side.pose.translation() + at_hull;
     let point_b = side.pose.translation() + (at_hull - normal * depth);

@@ -124,6 +124,51 @@ fn what_is_degenerate_or_just_touches_is_never_wrong() {
     assert!(deep > 700 && open < 200, "{deep} {open}");
 }
 
+/// A rotation, but for 1e-10.
+fn leaning(draw: &mut Draw) -> DMat3 {
+    let turn = DMat3::from_quat(DQuat::from_scaled_axis(draw.vector() * 3.0));
+    turn + DMat3::from_cols(draw.vector(), draw.vector(), draw.vector()) * 3e-11
+}
+
+#[test]
+fn normals_are_of_unit_length_where_poses_are_hardly_rotations() {
+    let (mut draw, mut deep) = (Draw(15), 0);
+    for k in 0..400 {
+        let shapes = [hull(&mut draw, k).swept(1e3).unwrap(), body(&mut draw, k)];
+        let poses =
+            [0; 2].map(|_| Pose::from_matrix(leaning(&mut draw), draw.vector() * 0.2).unwrap());
+        let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+        let Some(found) = depth_of([a, b]) else { continue };
+        deep += 1;
+        let off = (found.normal.length() - 1.0).abs();
+        assert!(off <= 4.0 * f64::EPSILON, "{k}: {off} {found:?}");
+        // So the hull's witness is as far from its core as is swept round that.
+        let core = found.point_a - found.normal * 1e3;
+        let off = (found.point_a.distance(core) - 1e3).abs();
+        assert!(off <= found.error_bound, "{k}: {off} {found:?}");
+    }
+    assert!(deep > 100, "{deep}");
+}
+
+#[test]
+fn short_edges_lead_from_vertex_to_vertex() {
+    let (mut draw, mut short) = (Draw(16), 0);
+    for _ in 0..100 {
+        let mut points: Vec<DVec3> = (0..8).map(|_| draw.vector()).collect();
+        points.push(points[0] + draw.vector() * 1e-3);
+        let hull = Polytope::hull(points).unwrap();
+        let Some(features) = HullFeatures::of(&hull) else { continue };
+        for edge in 0.. {
+            let Some([_, along]) = features.edge(edge) else { break };
+            let [from, to] = features.rows.edge_vertices(edge).unwrap();
+            let [from, to] = [from, to].map(|end| hull.vertices()[end as usize]);
+            assert_eq!(along, to - from);
+            short += usize::from(along.length() < 2e-3);
+        }
+    }
+    assert!(short > 30, "{short}");
+}
+
 #[test]
 fn no_direction_parts_them_sooner_and_every_path_has_the_same_planes() {
     let (mut draw, mut inside) = (Draw(13), 0);

@@ -150,7 +150,8 @@ impl<'a> Couple<'a> {
         let depth = least.reach + radius;
         let open = (least.reach - least.at_least).max(0.0) + placed.off;
         let error_bound = open + beside + AXIS * U64 * (placed.size + radius);
-        let normal = *turn * least.normal;
+        // Of unit length also where the pose is hardly a rotation: radii may be many times the size.
+        let normal = (*turn * least.normal).normalize();
         let deepest = *turn * at_cuboid - normal * core.swept_radius();
         let at_cuboid = poses[1].translation() + deepest;
         let at_triangle = poses[1].translation() + (deepest + normal * depth);

@@ -90,7 +90,8 @@ impl Couple<'_> {
         };
         let depth = least.reach + radius;
         let error_bound = (least.reach - at_least).max(0.0) + placed.off + beside + rounding;
-        let normal = *turn * least.normal;
+        // Of unit length also where the pose is hardly a rotation: radii may be many times the size.
+        let normal = (*turn * least.normal).normalize();
         let at_hull = *turn * (at_hull + hull.inner().centre) - normal * hull.swept_radius();
         let origin = self.poses()[other].translation();
         let [of_hull, of_triangle] = [origin + at_hull, origin + (at_hull + normal * depth)];

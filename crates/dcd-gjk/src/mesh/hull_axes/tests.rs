@@ -5,7 +5,7 @@ use crate::closed::nearest_of_triangle;
 use crate::mesh::reach::tests::vector;
 use crate::mesh::side::Part;
 use crate::{Depths, PairSolver, PosedShape, Verdict, certified};
-use dcd_geom::glam::DQuat;
+use dcd_geom::glam::{DMat3, DQuat};
 use dcd_geom::{Pose, Shape, SupportMap};
 
 /// From a tetrahedron to a hull of more than one row of faces, and of two of edges.
@@ -248,4 +248,30 @@ fn no_direction_parts_them_sooner_and_every_path_has_the_same_planes() {
         }
     }
     assert!(inside > 200, "{inside}");
+}
+
+#[test]
+fn normals_are_of_unit_length_where_poses_are_hardly_rotations() {
+    let (mut state, mut deep) = (9, [0; 2]);
+    for round in 0..400 {
+        let core = match round % 2 {
+            0 => hull(round, &mut state),
+            _ => Shape::cuboid(vector(&mut state).abs() * 0.4 + 0.1).unwrap(),
+        };
+        let body = core.swept(1e3).unwrap();
+        let corners = [0; 3].map(|_| vector(&mut state) * 0.5);
+        let poses = [0; 2].map(|_| {
+            let turn = DMat3::from_quat(DQuat::from_scaled_axis(vector(&mut state) * 3.0));
+            let off = [0; 3].map(|_| vector(&mut state) * 3e-8);
+            let leaning = turn + DMat3::from_cols(off[0], off[1], off[2]);
+            Pose::from_matrix(leaning, vector(&mut state) * 0.1).unwrap()
+        });
+        let parts = [Part::Triangle { corners, reach: 1.0, radius: 0.0 }, Part::Shape(&body)];
+        let couple = Couple::of(parts, [&poses[0], &poses[1]]).unwrap();
+        let Some(ByAxes::Touching(Some(found))) = couple.by_axes() else { continue };
+        deep[round % 2] += 1;
+        let off = (found.normal.length() - 1.0).abs();
+        assert!(off <= 4.0 * f64::EPSILON, "{round}: {off} {found:?}");
+    }
+    assert!(deep.iter().all(|&count| count > 50), "{deep:?}");
 }
