@@ -54,9 +54,10 @@ pub struct Depth {
     /// 1e-7 of their size.
     pub normal: DVec3,
     /// The point of a that is deepest in b: `point_a − point_b` is `normal·depth`, but for the
-    /// rounding of world coordinates, on a curved surface for how far the chords of a search are inside of it, and at
-    /// [`Accuracy::F32`](crate::query::Accuracy) of shapes far from the origins of their own frames for what f32 leaves of that
-    /// distance, up to three times the bound.
+    /// rounding of world coordinates, on a curved surface for how far the chords of a search are inside of it, and for what a
+    /// search leaves of its nearest points where cores hardly overlap, of flat hulls and of needles: some 1e-9 of the size, and at
+    /// [`Accuracy::F32`](crate::query::Accuracy), there also of shapes far from the origins of their own frames, some 1e-6. The bound
+    /// of a manifold counts it, this one's does not.
     pub point_a: DVec3,
     /// The point of b that is deepest in a.
     pub point_b: DVec3,
