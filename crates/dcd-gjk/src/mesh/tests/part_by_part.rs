@@ -93,3 +93,40 @@ fn what_f64_leaves_holds_the_nearest_and_the_deepest_part() {
     }
     assert!(counts.as_flattened().iter().all(|&count| count > 3), "{counts:?}");
 }
+
+#[test]
+fn triangles_a_hair_nearer_than_others_are_not_passed_by() {
+    let mut draw = Draw(9);
+    let mut nearer = 0;
+    for round in 0..60u32 {
+        // Triangles of their own, each a little higher or lower than its neighbours.
+        let at = |k: u32| DVec3::new(f64::from(k % 8), f64::from(k / 8), 0.0) * 0.1;
+        let corners = [DVec3::ZERO, DVec3::X * 0.1, DVec3::Y * 0.1];
+        let vertices = (0..64).flat_map(|k| {
+            let height = DVec3::Z * (draw.number() * 1e-10);
+            corners.map(|corner| at(k) + corner + height)
+        });
+        let vertices: Vec<DVec3> = vertices.collect();
+        let triangles = (0..64).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        let mesh = Shape::mesh(vertices, triangles).unwrap();
+        let body = match round % 3 {
+            0 => Shape::cuboid(DVec3::new(0.3, 0.2, 0.1)).unwrap(),
+            1 => Shape::hull((0..8).map(|_| draw.point(0.2) * DVec3::new(1.0, 1.0, 0.0)).collect())
+                .unwrap(),
+            _ => Shape::sphere(0.1).unwrap(),
+        };
+        let pose = Pose::from_translation(DVec3::new(0.4, 0.4, 0.3)).unwrap();
+        let a = PosedShape { shape: &mesh, pose: &Pose::IDENTITY };
+        let b = PosedShape { shape: &body, pose: &pose };
+        let [_, most] = least_distance(a, b).unwrap();
+        let DistanceResult::Apart(found) = distance(a, b).0 else { panic!("{round}") };
+        let off = (found.distance - most).abs();
+        assert!(off <= 2.0 * found.error_bound + 1e-15, "{round}: {found:?} {most}");
+        let in_f32 = distance_at(Accuracy::F32, a, b).0;
+        nearer += usize::from(
+            matches!(in_f32, DistanceResult::Apart(other) if other.distance > most + 1e-12),
+        );
+    }
+    // Those that are passed by where less is asked for.
+    assert!(nearer > 5, "{nearer}");
+}
