@@ -6,7 +6,9 @@ use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{HalfSpace, Polytope, Pose, Shape};
 use dcd_gjk::certified::{overlap_exactly, overlap_of};
 use dcd_gjk::closed::half_space;
-use dcd_gjk::{Depths, DistanceResult, PairSolver, PosedShape, PosedSupport, Verdict, distance};
+use dcd_gjk::{
+    Accuracy, Depths, DistanceResult, PairSolver, PosedShape, PosedSupport, Verdict, distance,
+};
 use judge::cases::Draw;
 
 /// z ≤ `offset` as far as a pair of `size` reaches: the same plane, with the same pose exactly the
@@ -232,4 +234,38 @@ fn distance_and_depth_are_along_the_normal_and_hold_their_bounds() {
             assert!(bound <= 1e-12 * value, "{value} {bound}");
         }
     }
+}
+
+#[test]
+fn what_is_apart_by_less_than_f64_sees_is_farther_than_nothing() {
+    let mut draw = Draw(19);
+    let mut hairs = 0;
+    for k in 0..3000 {
+        let polytope = Shape::from(hull(&mut draw, 1.0));
+        let poses = [pose(&mut draw, 1.0), pose(&mut draw, 1.0)];
+        let at = |offset: f64| Shape::half_space(DVec3::Z, offset).unwrap();
+        let b = PosedShape { shape: &polytope, pose: &poses[1] };
+        let far = at(-9.0);
+        let a = PosedShape { shape: &far, pose: &poses[0] };
+        let DistanceResult::Apart(found) = distance::distance(a, b).0 else { panic!("{k}") };
+        // Up to the shape, but for rounding either way.
+        let near = at(found.distance - 9.0);
+        let a = PosedShape { shape: &near, pose: &poses[0] };
+        if touches(a, b) {
+            continue;
+        }
+        let DistanceResult::Apart(best) = distance::distance(a, b).0 else { panic!("{k}") };
+        for accuracy in [Accuracy::F32, Accuracy::F64] {
+            for (a, b) in [(a, b), (b, a)] {
+                let DistanceResult::Apart(found) = distance::distance_at(accuracy, a, b).0 else {
+                    panic!("{k}")
+                };
+                assert!(found.distance > 0.0, "{k}: {found:?} {best:?}");
+                let off = (found.distance - best.distance).abs();
+                assert!(off <= found.error_bound + best.error_bound, "{k}: {found:?} {best:?}");
+            }
+        }
+        hairs += usize::from(best.distance < 1e-14);
+    }
+    assert!(hairs > 100, "{hairs}");
 }

@@ -30,7 +30,8 @@ pub(super) fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) ->
     let far = a.pose.translation().norm1() + b.pose.translation().norm1();
     let deviation = a.pose.deviation() + b.pose.deviation();
     let ([reach_a, radius_a], [reach_b, radius_b]) = (extent(a.shape), extent(b.shape));
-    let turned = TURNED * deviation * (size + radius_a + radius_b + depth.depth);
+    // The radii first: in either order the same to the bit.
+    let turned = TURNED * deviation * (size + (radius_a + radius_b) + depth.depth);
     let rounded = PLACED * (reach_a + reach_b) + 8.0 * f64::EPSILON * far;
     (depth.error_bound + FLAT * size + turned + rounded).min(f64::MAX)
 }
@@ -56,7 +57,7 @@ pub(super) fn turned_by(
     (depth, size, [a, b]): (&Depth, f64, [PosedShape<'_>; 2]),
 ) -> f64 {
     let [[_, radius_a], [_, radius_b]] = [extent(a.shape), extent(b.shape)];
-    TURNED * deviation * (size + radius_a + radius_b + depth.depth)
+    TURNED * deviation * (size + (radius_a + radius_b) + depth.depth)
 }
 
 /// The same of a manifold that is the witnesses of the depth alone, with what these lack of the depth along the normal.
@@ -81,4 +82,36 @@ fn missed_along(depth: &Depth) -> f64 {
 /// How far the witnesses of a depth are from differing by it, metres.
 pub(super) fn missed(depth: &Depth) -> f64 {
     (depth.point_a - depth.point_b - depth.normal * depth.depth).length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::tests::Draw;
+    use dcd_geom::Pose;
+    use dcd_geom::glam::DMat3;
+
+    #[test]
+    fn bounds_are_the_same_in_either_order_to_the_bit() {
+        let mut draw = Draw(17);
+        for k in 0..2000 {
+            let shapes = [0.3, 0.7].map(|scale| {
+                let radius = draw.vector().x.abs() * scale;
+                Shape::cuboid(draw.vector().abs() * 0.4).unwrap().rounded(radius).unwrap()
+            });
+            let poses = [0; 2].map(|_| {
+                let off = DMat3::from_cols(draw.vector(), draw.vector(), draw.vector()) * 1e-8;
+                Pose::from_matrix(DMat3::IDENTITY + off, draw.vector()).unwrap()
+            });
+            let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+            let depth =
+                Depth { depth: draw.vector().x.abs(), normal: draw.vector(), ..Depth::default() };
+            let size = draw.vector().x.abs();
+            let bounds = [(depth, [a, b]), (depth.mirrored(), [b, a])].map(|(depth, sides)| {
+                let turned = turned_by(1e-8, (&depth, size, sides));
+                [bound_of(&depth, size, sides), bound_of_witnesses(&depth, size, sides), turned]
+            });
+            assert_eq!(bounds[0], bounds[1], "{k}");
+        }
+    }
 }

@@ -309,7 +309,12 @@ pub(crate) fn distance_within(
         }
         Some(true) => (DistanceResult::Touching, method),
         Some(false) => {
-            let Signed { value, error_bound, method } = signed(&gap, plane, other, sharp);
+            let mut known = signed(&gap, plane, other, sharp);
+            // What is proved apart and no more is as far as longer numbers have it.
+            if !(known.value > 0.0) {
+                known = signed(&gap, plane, other, super::SHARP);
+            }
+            let Signed { value, error_bound, method } = known;
             let (normal, [point_a, point_b]) = witnesses(&gap, other, value, side);
             let distance = value.max(0.0);
             let found = Distance { distance, point_a, point_b, normal, error_bound };
