@@ -7,8 +7,8 @@ use crate::epa;
 use crate::query::Accuracy;
 use dcd_geom::{Kind, Shape};
 
-/// The pairs of parts that touch, by index in rising order, each with an upper bound of how deep: metres. Of those that are
-/// wanted as the deepest, all of which one is. `None` where that is not known at once, and where what certifies a pair is as
+/// The pairs of parts that touch, by index in rising order, each with an upper bound of how deep: metres. Where the deepest is
+/// wanted, those alone that may be it. `None` where that is not known at once, and where what certifies a pair is as
 /// quick.
 pub(in crate::query) fn touching(
     wanted: Wanted,

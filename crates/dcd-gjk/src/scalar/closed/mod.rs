@@ -80,7 +80,7 @@ pub(crate) fn overlap(
 /// promised of a distance.
 pub(crate) const SHARP: f64 = 1e-13;
 
-/// Whatever a formula leaves open, some 40 · 2⁻⁵³ of the pair's size, is as sharp as f64 promises.
+/// Whatever a formula leaves open is taken: some 40 · 2⁻⁵³ of the pair's size, more beside needles.
 pub(crate) const AS_F64: f64 = f64::INFINITY;
 
 /// The bound, relative to itself, that a formula may leave at an accuracy.
