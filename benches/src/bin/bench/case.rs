@@ -23,7 +23,7 @@ pub(crate) struct Setting {
 }
 
 /// A quick run ends here among the sizes.
-const QUICK_LARGEST: usize = 2_000;
+const QUICK_LARGEST: usize = 1_000;
 
 impl Setting {
     pub(crate) fn of(options: &Options) -> Self {

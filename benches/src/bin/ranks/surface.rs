@@ -26,12 +26,12 @@ const MODEL_RANKS: [usize; 5] = [2, 4, 8, 16, 64];
 const FITTED: [usize; 2] = [2, 4];
 
 fn sizes(options: &Options) -> [usize; 4] {
-    if options.quick { [500, 1_000, 2_000, 4_000] } else { [15_625, 62_500, 250_000, 1_000_000] }
+    if options.quick { [250, 500, 1_000, 2_000] } else { [15_625, 62_500, 250_000, 1_000_000] }
 }
 
 /// The objects of the model's rows; it is fitted at the most.
 fn model_objects(options: &Options) -> Vec<usize> {
-    if options.quick { vec![1_000, 4_000] } else { vec![62_500, 250_000, 1_000_000] }
+    if options.quick { vec![1_000] } else { vec![62_500, 250_000, 1_000_000] }
 }
 
 fn key(objects: usize, ranks: usize) -> String {
