@@ -279,19 +279,19 @@ pub(crate) enum Effort {
     Whole,
 }
 
-/// The greatest of the depths of all touching pairs of parts, each as `depth` says, and the pair's index; the
-/// default where no pair is known to touch. Pairs that are surely no deeper are not measured.
+/// The greatest of the depths of all touching pairs of parts, each as `depth` says, and the pair's index. Pairs that are
+/// surely no deeper are not measured.
 ///
 /// Moving the shapes apart by it along its normal separates those two parts, and maybe not the
 /// others: it bounds from below what separates the whole. Mirrored for (b, a), bit for bit.
 ///
 /// # Errors
-/// Why a pair could not be measured.
+/// Why a pair could not be measured; or that none is known to touch.
 pub(crate) fn deepest(
     pairs: &[PartPair<'_>],
     depth: impl FnMut(&PartPair<'_>, Effort) -> Option<Verdict<Depth>>,
 ) -> Result<(usize, Depth), Reason> {
-    Ok(deepest_of(pairs, 0..pairs.len(), depth)?.unwrap_or_default())
+    deepest_of(pairs, 0..pairs.len(), depth)?.ok_or(Reason::WithinRounding)
 }
 
 /// The same of some pairs, by index; `None` where none of them is known to touch.

@@ -36,9 +36,10 @@ use std::slice;
 /// size. At the other accuracies the search goes on from them in f64 or longer numbers, with the bounds of these. Shapes
 /// without a lane kernel, sizes outside f32's range, and pairs whose bound is too wide are measured one pair at a time.
 ///
-/// Whether a pair with a distance within its bound of the margin is reported is decided exactly. The same bits on every
-/// path and at any number of threads, whatever the other pairs; (a, b) and (b, a) are mirrored. The last bits need not be
-/// those of [`Distances`](crate::Distances), whose search starts elsewhere.
+/// Whether a pair with a distance within its bound of the margin is reported is decided exactly, of radii that are each grown by
+/// half of the margin and rounded to f64. The same bits on every path and at any number of threads, whatever the other
+/// pairs; (a, b) and (b, a) are mirrored. The last bits need not be those of [`Distances`](crate::Distances), whose search
+/// starts elsewhere.
 ///
 /// ```
 /// use dcd_pipeline::prelude::*;
@@ -305,7 +306,7 @@ impl NarrowPhase for SimdDistances {
 
     fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {
         let objects = prepare::Prepare { scene, first, part, aabbs: &mut *aabbs };
-        prepare::prepare_unfused(self.path, objects);
+        prepare::prepare(self.path, objects);
         for aabb in aabbs {
             *aabb = grown(aabb, self.margin / 2.0);
         }

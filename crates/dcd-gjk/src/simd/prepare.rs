@@ -19,13 +19,9 @@ use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::{Aabb, Corners, Mesh, Pose, Scene, Shape};
 use dcd_simd::{Block, Kernel, Lanes, Path, Row, Unfused, WIDTH, dispatch_on, prefetch};
 
-/// Runs the kernel on that path: compiled here, once.
+/// Runs the kernel on that path: compiled here, once. The same bits on every path, and so the same AABBs, whose order is that of the
+/// pairs.
 pub(super) fn prepare(path: Path, objects: Prepare<'_>) {
-    dispatch_on(path, objects);
-}
-
-/// The same bits on every path.
-pub(super) fn prepare_unfused(path: Path, objects: Prepare<'_>) {
     dispatch_on(path, Unfused(objects));
 }
 

@@ -1,10 +1,12 @@
 //! (a, b) and (b, a) at places where much is equally near or deep: rounded shapes along the world's axes on a lattice.
 
+use super::PosedSupport;
 use super::scenes::{Draw, all_pairs, in_both_orders};
 use super::within::found;
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Object, Pair, Pose, Scene, Shape};
-use dcd_gjk::{Accuracy, Contact, Depths, Manifolds, SimdDepths, SimdDistances};
+use dcd_gjk::query::MeasureAt;
+use dcd_gjk::{Accuracy, Contact, Depths, Manifolds, SimdDepths, SimdDistances, Verdict};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 const OBJECTS: u32 = 60;
@@ -100,4 +102,49 @@ fn depths_manifolds_and_distances_on_a_lattice_are_mirrored() {
         }
     }
     assert!(counts.iter().all(|&count| count > 10_000), "{counts:?}");
+}
+
+/// Some equal cuboids on a lattice.
+fn cuboids(draw: &mut Draw) -> Shape {
+    let cuboid = Shape::cuboid(DVec3::new(0.25, 0.2, 0.15)).unwrap();
+    let parts = (0..2 + (draw.unit() > 0.0) as u32).map(|k| {
+        let place = DVec3::new(0.4 * f64::from(k), 0.25 * draw.unit().round(), 0.0);
+        let turn = DQuat::from_rotation_z(FRAC_PI_2 * draw.unit().round());
+        (cuboid.clone(), Pose::new(turn, place).unwrap())
+    });
+    Shape::compound(parts.collect()).unwrap()
+}
+
+#[test]
+fn depths_of_compounds_whose_parts_are_equally_deep_are_mirrored() {
+    let mut draw = Draw::seeded(9);
+    let mut touching = [0; 3];
+    for round in 0..400 {
+        let shape = cuboids(&mut draw);
+        let other = if round % 2 == 0 { shape.clone() } else { cuboids(&mut draw) };
+        // Turned about one axis, so that edges of several parts are equally deep but for rounding.
+        let axis = draw.vector().normalize();
+        let mut body = |shape: &Shape| {
+            let turn = DQuat::from_axis_angle(axis, FRAC_PI_2 * draw.unit().round());
+            PosedSupport::new(shape.clone(), turn, axis.cross(draw.vector()) * 0.3)
+        };
+        let [a, b] = [body(&shape), body(&other)];
+        for (k, accuracy) in
+            [Accuracy::F32, Accuracy::F64, Accuracy::Certified].into_iter().enumerate()
+        {
+            let depth = |a: &PosedSupport, b: &PosedSupport| {
+                Depths.measure_at(accuracy, a.placed(), b.placed(), &mut Default::default())
+            };
+            let (Verdict::Touching(one), Verdict::Touching(other)) = (depth(&a, &b), depth(&b, &a))
+            else {
+                continue;
+            };
+            let what = format!("{round} {accuracy:?}: {a:?} {b:?}");
+            assert_eq!((one.depth, one.error_bound), (other.depth, other.error_bound), "{what}");
+            assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a), "{what}");
+            assert_eq!(one.normal, -other.normal, "{what}");
+            touching[k] += 1;
+        }
+    }
+    assert!(touching.iter().all(|&count| count > 100), "{touching:?}");
 }

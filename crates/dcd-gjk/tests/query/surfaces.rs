@@ -6,13 +6,17 @@ use super::{PosedSupport, answer_of};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Shape, SupportMap};
 use dcd_gjk::query::{ManifoldOptions, MeshEdges, MeshSides};
-use dcd_gjk::{ManifoldSet, Manifolds};
+use dcd_gjk::{ManifoldSet, Manifolds, Verdict, certified};
 
 const ACTIVE: ManifoldOptions =
     ManifoldOptions { mesh_sides: MeshSides::Both, mesh_edges: MeshEdges::Active };
 
 fn with(options: ManifoldOptions, a: &PosedSupport, b: &PosedSupport) -> ManifoldSet {
     answer_of(&Manifolds { options }, a, b)
+}
+
+fn answers_touching(a: &PosedSupport, b: &PosedSupport) -> bool {
+    certified::overlap_of(a.placed(), b.placed()).0 == Verdict::Touching(())
 }
 
 /// Squares of that width round the origin, at heights by place.
@@ -74,6 +78,142 @@ fn what_slides_and_rolls_over_a_flat_floor_of_triangles_has_its_normal_everywher
         }
     }
     assert!(caught > 10, "{caught}: the edges catch nothing even without the option");
+}
+
+/// All ways to take a mesh as a surface.
+fn all_options() -> impl Iterator<Item = ManifoldOptions> {
+    [MeshSides::Both, MeshSides::Front, MeshSides::Outward].into_iter().flat_map(|mesh_sides| {
+        [MeshEdges::All, MeshEdges::Active]
+            .map(|mesh_edges| ManifoldOptions { mesh_sides, mesh_edges })
+    })
+}
+
+#[test]
+fn what_rests_on_a_floor_however_that_is_turned_is_pushed_up_and_no_farther_than_it_is_deep() {
+    let mut draw = Draw(53);
+    // Two squares, on the inner edge of which something rests.
+    let (vertices, triangles) = grid(2, |i, j| DVec3::new(i - 1.0, j, 0.0));
+    let floor = Shape::mesh(vertices, triangles).unwrap();
+    let cube = Shape::cuboid(DVec3::splat(0.2)).unwrap();
+    let rod = Shape::cuboid(DVec3::new(0.01, 0.01, 0.3)).unwrap();
+    for step in 0..600 {
+        let turn = match step {
+            0 => DQuat::from_axis_angle(
+                DVec3::new(0.24400851542459806, 0.33577557550270887, 0.9097882211240746),
+                2.462157434520969,
+            ),
+            _ => DQuat::from_scaled_axis(draw.vector() * 3.0).normalize(),
+        };
+        // A cube that hardly reaches over the edge, and a rod that leans and pierces the floor near it.
+        let (shape, tilt, deep) = match step % 3 {
+            2 => (&rod, DQuat::from_rotation_y(0.6 * draw.unit()), 0.02 * draw.unit().abs()),
+            _ => (&cube, DQuat::IDENTITY, [0.01, 0.0005][step as usize % 2]),
+        };
+        let across = if step == 0 { -0.195 } else { 0.2 * draw.unit() };
+        let place = DVec3::new(across, 0.1 + 0.3, lowest(shape, tilt) - deep);
+        let floor = PosedSupport::new(floor.clone(), turn, DVec3::ZERO);
+        let body = PosedSupport::new(shape.clone(), turn * tilt, turn * place);
+        for options in all_options().filter(|options| options.mesh_edges == MeshEdges::Active) {
+            if step % 3 == 2 && options.mesh_sides == MeshSides::Both {
+                // From either side: a rod may be pulled through.
+                continue;
+            }
+            let found = with(options, &floor, &body);
+            let what = format!("{step} {options:?}, {body:?}: {found:?}");
+            assert!(!found.is_empty(), "{what}");
+            for manifold in &found {
+                assert!(manifold.normal.distance(turn * DVec3::Z) < 1e-3, "{what}");
+                let most = deep + manifold.error_bound + 1e-9;
+                assert!(manifold.points()[0].depth <= most, "{what}");
+            }
+            let depth = found[0].points()[0].depth;
+            assert!(depth >= deep - found[0].error_bound - 1e-9, "{what}");
+        }
+    }
+}
+
+#[test]
+fn no_option_changes_what_a_half_space_and_a_mesh_have_but_for_what_a_front_has_behind() {
+    let mut draw = Draw(54);
+    let (mut kept, mut dropped) = (0, 0);
+    for k in 0..300 {
+        let rough = if k % 3 == 0 { 0.0 } else { 0.5 };
+        let (vertices, triangles) = match k % 2 {
+            0 => grid(1 + k / 2 % 3, |i, j| {
+                DVec3::new(i, j, rough * (13.7 * i + 7.1 * j + f64::from(k)).sin())
+            }),
+            _ => (vec![draw.vector(), draw.vector(), draw.vector()], vec![[0, 1, 2]]),
+        };
+        let turn = match k % 4 {
+            0 => DQuat::IDENTITY,
+            _ => DQuat::from_scaled_axis(draw.vector() * 3.0).normalize(),
+        };
+        let mesh = Shape::mesh(vertices, triangles).unwrap();
+        let ground = Shape::half_space(DVec3::Z, 0.0).unwrap();
+        let mesh = PosedSupport::new(mesh, turn, DVec3::Z * 0.3 * draw.unit());
+        let ground = PosedSupport::at(&ground, DVec3::ZERO);
+        if !answers_touching(&mesh, &ground) {
+            continue;
+        }
+        for options in all_options() {
+            let found = with(options, &mesh, &ground);
+            let back = with(options, &ground, &mesh);
+            assert_eq!(found.len(), back.len(), "{k} {options:?}");
+            if options.mesh_sides == MeshSides::Front && found.is_empty() {
+                dropped += 1;
+                continue;
+            }
+            kept += 1;
+            let what = format!("{k} {options:?}: {found:?}");
+            assert!(found[0].normal.distance(DVec3::NEG_Z) < 1e-12, "{what}");
+            assert!(found[0].points()[0].depth.is_finite(), "{what}");
+            if options.mesh_sides != MeshSides::Front {
+                let as_is = answer_of(&Manifolds::default(), &mesh, &ground);
+                let due = as_is[0].points()[0].depth;
+                let bound = found[0].error_bound + as_is[0].error_bound;
+                assert!((found[0].points()[0].depth - due).abs() <= bound, "{what} {due}");
+            }
+        }
+    }
+    assert!(kept > 300 && dropped > 5, "{kept} {dropped}");
+}
+
+#[test]
+fn what_touches_the_sharp_rim_of_a_solid_from_outside_is_in_front_of_it() {
+    const SIDES: u32 = 7;
+    let mut draw = Draw(55);
+    for round in 0..400 {
+        // A flat cone: its faces meet at some ten degrees.
+        let height = [0.1, 0.3, 1.0][round % 3];
+        let at = |k: u32| {
+            let angle = std::f64::consts::TAU * f64::from(k % SIDES) / f64::from(SIDES);
+            DVec3::new(angle.cos(), angle.sin(), 0.0)
+        };
+        let mut vertices: Vec<DVec3> = (0..SIDES).map(at).collect();
+        vertices.extend([DVec3::Z * height, DVec3::ZERO]);
+        let faces = |k: u32| {
+            let next = (k + 1) % SIDES;
+            [[k, next, SIDES], [next, k, SIDES + 1]]
+        };
+        let solid = Shape::mesh(vertices, (0..SIDES).flat_map(faces).collect()).unwrap();
+        let solid = PosedSupport::at(&solid, DVec3::ZERO);
+        let body = Shape::capsule(0.6, 0.05).unwrap();
+        let turn = DQuat::from_scaled_axis(draw.vector() * 3.0).normalize();
+        // Beyond the rim, from where it is brought to touch.
+        let away = DVec3::new(draw.unit(), draw.unit(), 0.1 * draw.unit()).normalize();
+        let (mut apart, mut touching) = (3.0, 0.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (apart + touching);
+            let body = PosedSupport::new(body.clone(), turn, away * middle);
+            if answers_touching(&solid, &body) { touching = middle } else { apart = middle }
+        }
+        let body = PosedSupport::new(body.clone(), turn, away * (touching - 1e-6));
+        for options in all_options() {
+            let found = with(options, &solid, &body);
+            let what = format!("{round} {options:?}: {body:?} {found:?}");
+            assert!(!found.is_empty(), "{what}");
+        }
+    }
 }
 
 #[test]

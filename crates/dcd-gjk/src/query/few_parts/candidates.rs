@@ -7,9 +7,9 @@ use crate::epa;
 use crate::query::Accuracy;
 use dcd_geom::{Kind, Shape};
 
-/// The pairs of parts that touch, by index in rising order, each with an upper bound of how deep: metres. Where the deepest is
-/// wanted, those alone that may be it. `None` where that is not known at once, and where what certifies a pair is as
-/// quick.
+/// The pairs of parts that touch, by index in an order that is one for (a, b) and (b, a), each with an upper bound of how deep:
+/// metres. Where the deepest is wanted, those alone that may be it. `None` where that is not known at once, and where what
+/// certifies a pair is as quick.
 pub(in crate::query) fn touching(
     wanted: Wanted,
     [a, b]: [PosedShape<'_>; 2],
@@ -33,7 +33,6 @@ pub(in crate::query) fn touching(
     if wanted == Wanted::Deepest {
         found.retain(|&(_, most)| most >= least);
     }
-    found.sort_unstable_by_key(|&(pair, _)| pair);
     (!found.is_empty()).then_some(found)
 }
 

@@ -4,7 +4,7 @@
 use super::corners::Corners;
 use super::feature::View;
 use super::surface::{self, ManifoldOptions};
-use super::{Feature, Manifold, ManifoldSet, Scratch, write_one_point};
+use super::{Feature, Manifold, ManifoldSet, Scratch};
 use super::{mesh_on_plane, on_mesh};
 use crate::epa::Depth;
 use crate::mesh::{self, Effort, KnownParts, PartPair};
@@ -129,12 +129,8 @@ pub(super) fn write_pair_by_pair(
             None => break,
         }
     }
-    if pairs.is_empty() {
-        let mut none = Manifold::default();
-        write_one_point(&Depth::default(), Default::default(), &mut none);
-        set.push(none);
-    }
-    Ok(())
+    // Of shapes that touch: which of their parts do is within rounding then.
+    if pairs.is_empty() { Err(Reason::WithinRounding) } else { Ok(()) }
 }
 
 /// The pairs of few parts that touch, with what f64 knows of their depths: most of them are less deep than others, and not

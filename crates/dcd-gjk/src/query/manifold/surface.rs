@@ -1,5 +1,6 @@
 //! A mesh as a surface with a front, and without the edges inside of it.
 
+use super::missed;
 use crate::PosedShape;
 use crate::closed::nearest_of_triangle;
 use crate::epa::Depth;
@@ -7,7 +8,8 @@ use crate::mesh::{PartIndex, PartPair};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Mesh, Pose, Shape, SupportMap};
 
-/// How the triangles of a mesh are taken where it touches a convex shape or a compound; two meshes touch as they are.
+/// How the triangles of a mesh are taken where it touches a convex shape or a compound; two meshes touch as they are. A half-space
+/// touches along its own normal: no edge catches on it, and what it has behind a front is not pushed out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ManifoldOptions {
     /// Which side of a triangle touches.
@@ -23,9 +25,13 @@ pub enum MeshSides {
     /// Both.
     #[default]
     Both,
-    /// The front: what touches from behind has no manifold there, and an empty set if it touches nowhere else.
+    /// The front: what touches from behind has no manifold there, and an empty set if it touches nowhere else. What is on both
+    /// sides of a triangle touches from behind where its middle is behind, unless it is to be pushed mostly along the front, or
+    /// touches a ridge or a peak from outside. What has its middle in front, and would come free the soonest through the triangle,
+    /// has the front's normal, as [`MeshEdges::Active`] has it.
     Front,
-    /// The front, and what lies behind a face is pushed out along the face's normal: for terrain that nothing is under.
+    /// The front, and what lies behind a face is pushed out along the face's normal: for terrain that nothing is under. What
+    /// touches an edge or a vertex from behind, and no face, is not.
     Outward,
 }
 
@@ -46,8 +52,9 @@ pub enum MeshEdges {
 /// normals that count as one. Larger: catching edges. Smaller: normals of rounding.
 const LEAN: f64 = 1e-3;
 
-/// The cosine to a triangle's front below which a contact counts as sideways: it is from behind where the part's middle
-/// is. Larger: contacts lost on sharp ridges. Smaller: parts behind a face that are pushed along it.
+/// The cosine to a triangle's front, or to its back, below which a contact counts as sideways: it is from the side where the
+/// part's middle is. Larger: contacts along a front that count as from behind. Smaller: parts behind a face that are pushed along
+/// it.
 const SIDEWAYS: f64 = 0.5;
 
 /// How far beside a triangle, relative to its size, the foot of a point may be and still be on it.
@@ -67,16 +74,26 @@ pub(super) fn taken(
     let Some(posed) = pair.posed(sides[0], sides[1]) else { return Some(depth) };
     let other = posed[1 - triangle.side];
     let along = triangle.pose.rotation().transpose() * (depth.normal * triangle.sense());
-    let cosine = triangle.normal.dot(along);
+    let is_one_sided = options.mesh_sides != MeshSides::Both;
+    if !other.shape.is_bounded() {
+        let is_behind = triangle.normal.dot(along) < -LEAN;
+        return (options.mesh_sides != MeshSides::Front || !is_behind).then_some(depth);
+    }
     let feature = triangle.farthest(along);
-    let is_behind = cosine < -LEAN || cosine < SIDEWAYS && triangle.is_in_front_of(other);
-    if options.mesh_sides != MeshSides::Both && is_behind {
-        let is_face = feature.len() == 3;
-        return (options.mesh_sides == MeshSides::Outward && is_face)
-            .then(|| triangle.pushed_out(other, triangle.normal, depth));
+    let from = triangle.approach(other, (&feature, along));
+    match from {
+        Approach::Behind if is_one_sided => {
+            let is_pushed = options.mesh_sides == MeshSides::Outward && feature.len() == 3;
+            return is_pushed.then(|| triangle.pushed_out(other, depth));
+        }
+        Approach::Through if is_one_sided => {
+            return Some(triangle.flattened(other, triangle.normal, depth));
+        }
+        _ => {}
     }
     if options.mesh_edges == MeshEdges::Active && !triangle.stands_out(&feature, along) {
-        let normal = if cosine < 0.0 { -triangle.normal } else { triangle.normal };
+        let is_front = from == Approach::Front;
+        let normal = if is_front { triangle.normal } else { -triangle.normal };
         return Some(triangle.flattened(other, normal, depth));
     }
     Some(depth)
@@ -94,6 +111,15 @@ pub(super) fn is_seen(
             let front = *triangle.pose.rotation() * triangle.normal;
             front.dot(normal * triangle.sense()) >= -LEAN
         })
+}
+
+/// From where a part touches a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Approach {
+    Front,
+    Behind,
+    /// Its middle is in front, and the shortest way to part the two is through the triangle.
+    Through,
 }
 
 /// A triangle of the one mesh of a pair.
@@ -127,8 +153,43 @@ impl<'a> Triangle<'a> {
         self.mesh.points()[corner as usize]
     }
 
+    /// From where the other part touches it, what touches being that feature of its own, along that direction.
+    fn approach(&self, other: PosedShape<'_>, (feature, along): (&[u32], DVec3)) -> Approach {
+        let cosine = self.normal.dot(along);
+        if cosine >= SIDEWAYS {
+            return Approach::Front;
+        }
+        let is_sideways = cosine > -SIDEWAYS;
+        match self.has_behind(other) {
+            false if is_sideways => Approach::Front,
+            false => Approach::Through,
+            // Of a sharp edge the middle of what touches it may be behind both of its planes.
+            true if is_sideways && self.is_outside(feature, along) => Approach::Front,
+            true => Approach::Behind,
+        }
+    }
+
+    /// Whether a direction is one that a ridge, or a peak, of the surface has there: all round it is behind the triangle's plane.
+    fn is_outside(&self, feature: &[u32], along: DVec3) -> bool {
+        let is_behind = |corner: u32, other: u32| {
+            let between = self.at(other) - self.at(corner);
+            self.normal.dot(between) < -LEAN * between.length()
+        };
+        let is_own = |other: &u32| self.corners.contains(other);
+        let are_behind = |corner: u32, others: &mut dyn Iterator<Item = u32>| {
+            let mut others = others.filter(|other| !is_own(other)).peekable();
+            others.peek().is_some() && others.all(|other| is_behind(corner, other))
+        };
+        let is_ridge = match *feature {
+            [corner] => are_behind(corner, &mut self.mesh.adjacency().ring(corner)),
+            [p, q] => are_behind(p, &mut self.mesh.adjacency().opposite([p, q])),
+            _ => false,
+        };
+        is_ridge && self.stands_out(feature, along)
+    }
+
     /// Whether the middle of the other part is behind its plane.
-    fn is_in_front_of(&self, other: PosedShape<'_>) -> bool {
+    fn has_behind(&self, other: PosedShape<'_>) -> bool {
         let middle = *other.pose.rotation() * other.shape.inner().centre;
         let from_mesh = middle + (other.pose.translation() - self.pose.translation());
         let local = self.pose.rotation().transpose() * from_mesh;
@@ -179,13 +240,14 @@ impl<'a> Triangle<'a> {
         } else {
             point_b = point_a - whole.normal * along;
         }
-        let error_bound = depth.error_bound + depth.depth * sine;
+        // The witness that stays is off its surface by as much as the two miss of the depth.
+        let error_bound = depth.error_bound + depth.depth * sine + missed(&depth);
         Depth { depth: along, normal: whole.normal, point_a, point_b, error_bound }
     }
 
-    /// The depth along a normal of the triangle, as if it were a half-space.
-    fn pushed_out(&self, other: PosedShape<'_>, normal: DVec3, depth: Depth) -> Depth {
-        let (whole, beside) = self.along_face(other, normal, depth);
+    /// The depth along the normal of the front, as if the triangle were a half-space.
+    fn pushed_out(&self, other: PosedShape<'_>, depth: Depth) -> Depth {
+        let (whole, beside) = self.along_face(other, self.normal, depth);
         Depth { error_bound: whole.error_bound + beside, ..whole }
     }
 

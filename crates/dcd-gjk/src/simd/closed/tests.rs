@@ -65,7 +65,7 @@ fn prepared(scene: &Scene) -> SimdFrame {
     let mut aabbs = vec![Aabb::default(); scene.len()];
     let part = frame.layout(scene, Sides::One);
     let objects = prepare::Prepare { scene, first: 0, part, aabbs: &mut aabbs };
-    prepare::prepare_unfused(Path::best(), objects);
+    prepare::prepare(Path::best(), objects);
     frame
 }
 

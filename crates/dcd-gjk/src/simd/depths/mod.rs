@@ -215,7 +215,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
     }
 
     fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {
-        prepare::prepare_unfused(self.path, prepare::Prepare { scene, first, part, aabbs });
+        prepare::prepare(self.path, prepare::Prepare { scene, first, part, aabbs });
     }
 
     fn decide(

@@ -57,3 +57,47 @@ fn the_box_of_a_mesh_holds_its_corners_and_is_hardly_larger_than_its_plain_refer
         }
     }
 }
+
+#[test]
+fn boxes_are_the_same_on_every_path() {
+    let half = DVec3::new(0.3, 0.2, 0.1);
+    let cloud = (0..23).map(|k| {
+        let t = f64::from(k);
+        DVec3::new(t.sin(), (1.3 * t).cos() * 0.4, (0.7 * t).sin() * 2.0)
+    });
+    let kinds = [
+        Shape::cuboid(half),
+        Shape::cuboid(half).and_then(|cuboid| cuboid.rounded(0.07)),
+        Shape::hull(cloud.collect()),
+        Shape::capsule(0.3, 0.1),
+        Shape::sphere(0.2),
+        Shape::cylinder(0.3, 0.1),
+        Shape::triangle([half, -half, DVec3::X]),
+        Ok(strip(40, 0.2, DVec3::Y)),
+    ];
+    let kinds = kinds.map(Result::unwrap);
+    // All kinds in one scene, and each in one of its own, which may have a form of its own.
+    let scenes = (0..=kinds.len()).map(|only| {
+        let poses = (0..200).map(|k| {
+            let t = f64::from(k);
+            let turn = DQuat::from_rotation_x(1.1 * t) * DQuat::from_rotation_y(0.7 * t);
+            Pose::new(turn, DVec3::new(0.31 * t, -3.0 * t.sin(), 0.1 * t)).unwrap()
+        });
+        let poses: Vec<Pose> = poses.collect();
+        let shapes =
+            kinds.iter().enumerate().cycle().filter(|(k, _)| only == kinds.len() || only == *k);
+        let shapes = shapes.map(|(_, shape)| shape.clone()).take(poses.len()).collect();
+        Scene::one_each(shapes, poses).unwrap()
+    });
+    for (number, scene) in scenes.enumerate() {
+        let bits = |path| {
+            let numbers =
+                |aabb: Aabb| [aabb.min, aabb.max].map(|end| end.to_array().map(f32::to_bits));
+            boxes(&scene, path).into_iter().map(numbers).collect::<Vec<_>>()
+        };
+        let portable = bits(Path::Portable);
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            assert_eq!(bits(path), portable, "{number} {path:?}");
+        }
+    }
+}

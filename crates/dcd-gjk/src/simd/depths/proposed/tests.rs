@@ -1,6 +1,6 @@
 //! Proposed triangles beside the faces of A − B by their definition: planes through three of its points with none beyond.
 
-use super::super::super::prepare::{Prepare, prepare_unfused};
+use super::super::super::prepare::{Prepare, prepare};
 use super::super::super::scene_pairs::ScenePairs;
 use super::super::answers::WriteDepth;
 use super::super::start::Starts;
@@ -48,7 +48,7 @@ pub(in super::super) fn proposed(
 ) -> Vec<Option<Proposal>> {
     let (mut frame, mut aabbs) = (SimdFrame::default(), vec![Aabb::default(); scene.len()]);
     let part = frame.layout(scene, Sides::One);
-    prepare_unfused(path, Prepare { scene, first: 0, part, aabbs: &mut aabbs });
+    prepare(path, Prepare { scene, first: 0, part, aabbs: &mut aabbs });
     let (mut scratch, mut found) = (SupportScratch::default(), Vec::new());
     let frames = FramePair::of_one(&frame);
     dispatch_on(path, Propose::of(frames, (pairs, true), &mut scratch, &mut found));
@@ -152,7 +152,7 @@ fn searched(
     let (mut frame, mut aabbs) = (SimdFrame::default(), vec![Aabb::default(); scene.len()]);
     let part = frame.layout(scene, Sides::One);
     let path = Path::best();
-    prepare_unfused(path, Prepare { scene, first: 0, part, aabbs: &mut aabbs });
+    prepare(path, Prepare { scene, first: 0, part, aabbs: &mut aabbs });
     let frames = FramePair::of_one(&frame);
     let numbers: Vec<u32> = (0..).take(pairs.len()).collect();
     let mut surfaces = Box::<[Surface; SEATS]>::default();
