@@ -72,10 +72,11 @@ impl<'a> Framed<'a> {
         self.lost
     }
 
-    /// A vector of the frame, in the world.
+    /// A normal of the frame, in the world: of unit length, also where poses are hardly rotations.
     #[inline]
-    pub(in crate::query) fn turned(&self, v: DVec3) -> DVec3 {
-        self.frame.map_or(v, |pose| *pose.rotation() * v)
+    pub(in crate::query) fn turned(&self, normal: DVec3) -> DVec3 {
+        let turned = self.frame.map_or(normal, |pose| *pose.rotation() * normal);
+        turned.normalize_or(turned)
     }
 
     /// A point of the frame, in the world.

@@ -346,6 +346,7 @@ fn bounds_of_few_parts_hold_at_every_rank() {
             let Verdict::Touching(best) = truth else { panic!("{k}: {truth:?}") };
             let off = (found.depth - best.depth).abs();
             assert!(off <= found.error_bound + best.error_bound, "{k}: {found:?} {best:?}");
+            assert!((found.normal.length() - 1.0).abs() < 4.0 * f64::EPSILON, "{k}: {found:?}");
             deep += 1;
         }
         if let Some(gap) = distance(Accuracy::F32, [a, b]) {
@@ -354,6 +355,7 @@ fn bounds_of_few_parts_hold_at_every_rank() {
             };
             let off = (gap.distance - best.distance).abs();
             assert!(off <= gap.error_bound + best.error_bound, "{k}: {gap:?} {best:?}");
+            assert!((gap.normal.length() - 1.0).abs() < 4.0 * f64::EPSILON, "{k}: {gap:?}");
             apart += 1;
         }
     }
