@@ -25,10 +25,9 @@ pub enum MeshSides {
     /// Both.
     #[default]
     Both,
-    /// The front: what touches from behind has no manifold there, and an empty set if it touches nowhere else. What is on both
-    /// sides of a triangle touches from behind where its middle is behind, unless it is to be pushed mostly along the front, or
-    /// touches a ridge or a peak from outside. What has its middle in front, and would come free the soonest through the triangle,
-    /// has the front's normal, as [`MeshEdges::Active`] has it.
+    /// The front: what touches from behind has no manifold there, and an empty set if it touches nowhere else. The way on which
+    /// the two come free the soonest says from where. Where that is more than sixty degrees from the triangle's normal, either
+    /// way, what touches from behind has its middle behind, and does not touch a ridge or a peak from outside.
     Front,
     /// The front, and what lies behind a face is pushed out along the face's normal: for terrain that nothing is under. What
     /// touches an edge or a vertex from behind, and no face, is not.
@@ -74,26 +73,18 @@ pub(super) fn taken(
     let Some(posed) = pair.posed(sides[0], sides[1]) else { return Some(depth) };
     let other = posed[1 - triangle.side];
     let along = triangle.pose.rotation().transpose() * (depth.normal * triangle.sense());
-    let is_one_sided = options.mesh_sides != MeshSides::Both;
     if !other.shape.is_bounded() {
         let is_behind = triangle.normal.dot(along) < -LEAN;
         return (options.mesh_sides != MeshSides::Front || !is_behind).then_some(depth);
     }
     let feature = triangle.farthest(along);
-    let from = triangle.approach(other, (&feature, along));
-    match from {
-        Approach::Behind if is_one_sided => {
-            let is_pushed = options.mesh_sides == MeshSides::Outward && feature.len() == 3;
-            return is_pushed.then(|| triangle.pushed_out(other, depth));
-        }
-        Approach::Through if is_one_sided => {
-            return Some(triangle.flattened(other, triangle.normal, depth));
-        }
-        _ => {}
+    let is_behind = triangle.is_touched_from_behind(other, (&feature, along));
+    if is_behind && options.mesh_sides != MeshSides::Both {
+        let is_pushed = options.mesh_sides == MeshSides::Outward && feature.len() == 3;
+        return is_pushed.then(|| triangle.pushed_out(other, depth));
     }
     if options.mesh_edges == MeshEdges::Active && !triangle.stands_out(&feature, along) {
-        let is_front = from == Approach::Front;
-        let normal = if is_front { triangle.normal } else { -triangle.normal };
+        let normal = if is_behind { -triangle.normal } else { triangle.normal };
         return Some(triangle.flattened(other, normal, depth));
     }
     Some(depth)
@@ -111,15 +102,6 @@ pub(super) fn is_seen(
             let front = *triangle.pose.rotation() * triangle.normal;
             front.dot(normal * triangle.sense()) >= -LEAN
         })
-}
-
-/// From where a part touches a triangle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Approach {
-    Front,
-    Behind,
-    /// Its middle is in front, and the shortest way to part the two is through the triangle.
-    Through,
 }
 
 /// A triangle of the one mesh of a pair.
@@ -153,20 +135,18 @@ impl<'a> Triangle<'a> {
         self.mesh.points()[corner as usize]
     }
 
-    /// From where the other part touches it, what touches being that feature of its own, along that direction.
-    fn approach(&self, other: PosedShape<'_>, (feature, along): (&[u32], DVec3)) -> Approach {
+    /// Whether the other part touches it from behind, that feature of its own along that direction.
+    fn is_touched_from_behind(
+        &self,
+        other: PosedShape<'_>,
+        (feature, along): (&[u32], DVec3),
+    ) -> bool {
         let cosine = self.normal.dot(along);
-        if cosine >= SIDEWAYS {
-            return Approach::Front;
+        if cosine.abs() >= SIDEWAYS {
+            return cosine < 0.0;
         }
-        let is_sideways = cosine > -SIDEWAYS;
-        match self.has_behind(other) {
-            false if is_sideways => Approach::Front,
-            false => Approach::Through,
-            // Of a sharp edge the middle of what touches it may be behind both of its planes.
-            true if is_sideways && self.is_outside(feature, along) => Approach::Front,
-            true => Approach::Behind,
-        }
+        // Of a sharp edge the middle of what touches it may be behind both of its planes.
+        self.has_behind(other) && !self.is_outside(feature, along)
     }
 
     /// Whether a direction is one that a ridge, or a peak, of the surface has there: all round it is behind the triangle's plane.
