@@ -21,7 +21,7 @@ use dcd_simd::{Block, Kernel, Lanes, Path, Row, Unfused, WIDTH, dispatch_on, pre
 
 /// Runs the kernel on that path: compiled here, once. The same bits on every path, and so the same AABBs, whose order is that of the
 /// pairs.
-pub(super) fn prepare(path: Path, objects: Prepare<'_>) {
+pub(crate) fn prepare(path: Path, objects: Prepare<'_>) {
     dispatch_on(path, Unfused(objects));
 }
 

@@ -11,7 +11,7 @@ use crate::simd::decide::{self, Slice};
 use crate::simd::{append_contacts, frame, prepare};
 use crate::{ContactSink, Method, NarrowPhase, Prepared, Report, Sides};
 use dcd_geom::{Aabb, Pair, Revision, Scene, Splittable};
-use dcd_simd::{Path, dispatch_on};
+use dcd_simd::Path;
 use facts::{Entry, Fact, Facts, Found, Slot};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 use track::Track;
@@ -234,7 +234,7 @@ impl NarrowPhase for Coherent {
             part.shared.worn.store(true, Relaxed);
         }
         part.shared.restless.fetch_add(restless, Relaxed);
-        dispatch_on(self.path, prepare::Prepare { scene, first, part: part.lanes, aabbs });
+        prepare::prepare(self.path, prepare::Prepare { scene, first, part: part.lanes, aabbs });
     }
 
     fn begin_pairs<'p>(

@@ -4,9 +4,9 @@ use super::patches::grid;
 use super::scenes::Draw;
 use super::{PosedSupport, answer_of};
 use dcd_geom::glam::{DQuat, DVec3};
-use dcd_geom::{Shape, SupportMap};
-use dcd_gjk::query::{ManifoldOptions, MeshEdges, MeshSides};
-use dcd_gjk::{ManifoldSet, Manifolds, Verdict, certified};
+use dcd_geom::{Pose, Shape, SupportMap};
+use dcd_gjk::query::{ManifoldOptions, MeasureAt, MeshEdges, MeshSides};
+use dcd_gjk::{Accuracy, ManifoldSet, Manifolds, Verdict, certified};
 
 const ACTIVE: ManifoldOptions =
     ManifoldOptions { mesh_sides: MeshSides::Both, mesh_edges: MeshEdges::Active };
@@ -285,4 +285,48 @@ fn a_front_alone_ignores_what_is_behind_and_outward_pushes_it_out() {
             assert_eq!((back.len(), back[0].normal), (pushed.len(), -pushed[0].normal));
         }
     }
+}
+
+#[test]
+fn two_meshes_and_two_compounds_touch_as_they_are() {
+    let mut draw = Draw(56);
+    let mut counts = [0; 2];
+    for k in 0..60 {
+        let shapes = [0; 2].map(|_| match k % 2 {
+            0 => {
+                let (x, y) = (draw.unit(), draw.unit());
+                ground(0.2, |i, j| 0.2 * (5.0 * i + x).sin() * (4.0 * j + y).cos())
+            }
+            _ => {
+                let parts = (0..3).map(|_| {
+                    let turn = DQuat::from_scaled_axis(draw.vector() * 3.0).normalize();
+                    let pose = Pose::new(turn, draw.vector() * 0.3).unwrap();
+                    (Shape::cuboid(DVec3::splat(0.2)).unwrap(), pose)
+                });
+                Shape::compound(parts.collect()).unwrap()
+            }
+        });
+        let [a, b] = shapes.map(|shape| {
+            let turn = DQuat::from_scaled_axis(draw.vector() * 3.0).normalize();
+            PosedSupport::new(shape, turn, draw.vector() * 0.4)
+        });
+        if !answers_touching(&a, &b) {
+            continue;
+        }
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            let of = |options| {
+                let solver = Manifolds { options };
+                let answer =
+                    solver.measure_at(accuracy, a.placed(), b.placed(), &mut Default::default());
+                let Verdict::Touching(found) = answer else { panic!("{k}: {answer:?}") };
+                found
+            };
+            let as_is = of(ManifoldOptions::default());
+            for options in all_options() {
+                assert_eq!(of(options), as_is, "{k} {options:?} {accuracy:?}");
+            }
+        }
+        counts[k % 2] += 1;
+    }
+    assert!(counts.iter().all(|&count| count > 5), "{counts:?}");
 }

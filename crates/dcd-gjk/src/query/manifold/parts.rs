@@ -11,6 +11,7 @@ use crate::mesh::{self, Effort, KnownParts, PartPair};
 use crate::query::few_parts::{self, Wanted};
 use crate::query::{Accuracy, depths};
 use crate::{PosedShape, Reason, Verdict, epa};
+use dcd_geom::Shape;
 
 /// The least cosine between two normals that count as one: 1e-3 rad.
 pub(super) const ALIKE: f64 = 1.0 - 5e-7;
@@ -56,6 +57,7 @@ pub(super) fn write(
 ) -> Verdict<()> {
     let is_swapped = mesh::is_swapped(a, b);
     let sides = if is_swapped { [b, a] } else { [a, b] };
+    let how = how.about(sides);
     let mut known = std::mem::take(&mut scratch.known);
     known.clear();
     let touching = touching.map(|touching| {
@@ -154,6 +156,13 @@ fn touching_few<'s>(
 }
 
 impl Measure {
+    /// Without the options where these change nothing: they are about one mesh and what is none.
+    fn about(self, sides: [PosedShape<'_>; 2]) -> Self {
+        let [a, b] = sides.map(|side| matches!(side.shape, Shape::Mesh(_)));
+        let options = if a != b { self.options } else { ManifoldOptions::default() };
+        Self { options, ..self }
+    }
+
     /// The depth of a pair of parts that touch; apart where a mesh's surface does not touch there.
     fn measured(
         self,

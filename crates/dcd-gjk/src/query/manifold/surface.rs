@@ -151,21 +151,15 @@ impl<'a> Triangle<'a> {
 
     /// Whether a direction is one that a ridge, or a peak, of the surface has there: all round it is behind the triangle's plane.
     fn is_outside(&self, feature: &[u32], along: DVec3) -> bool {
+        let is_own = |other: u32| self.corners.contains(&other);
         let is_behind = |corner: u32, other: u32| {
             let between = self.at(other) - self.at(corner);
             self.normal.dot(between) < -LEAN * between.length()
         };
-        let is_own = |other: &u32| self.corners.contains(other);
-        let are_behind = |corner: u32, others: &mut dyn Iterator<Item = u32>| {
-            let mut others = others.filter(|other| !is_own(other)).peekable();
-            others.peek().is_some() && others.all(|other| is_behind(corner, other))
-        };
-        let is_ridge = match *feature {
-            [corner] => are_behind(corner, &mut self.mesh.adjacency().ring(corner)),
-            [p, q] => are_behind(p, &mut self.mesh.adjacency().opposite([p, q])),
-            _ => false,
-        };
-        is_ridge && self.stands_out(feature, along)
+        let is_alone = self.all_round(feature, |_, other| is_own(other));
+        !is_alone
+            && self.all_round(feature, |corner, other| is_own(other) || is_behind(corner, other))
+            && self.stands_out(feature, along)
     }
 
     /// Whether the middle of the other part is behind its plane.
@@ -196,9 +190,14 @@ impl<'a> Triangle<'a> {
 
     /// Whether none of the triangles that share a vertex or an edge reaches farther along a direction than that.
     fn stands_out(&self, feature: &[u32], along: DVec3) -> bool {
+        self.all_round(feature, |corner, other| self.is_level(corner, other, along))
+    }
+
+    /// Whether that is true of a corner of a vertex or an edge, and each of the others of the triangles round it; true of a face.
+    fn all_round(&self, feature: &[u32], is: impl Fn(u32, u32) -> bool) -> bool {
         match *feature {
-            [corner] => self.mesh.adjacency().ring(corner).all(|w| self.is_level(corner, w, along)),
-            [p, q] => self.mesh.adjacency().opposite([p, q]).all(|w| self.is_level(p, w, along)),
+            [corner] => self.mesh.adjacency().ring(corner).all(|other| is(corner, other)),
+            [p, q] => self.mesh.adjacency().opposite([p, q]).all(|other| is(p, other)),
             _ => true,
         }
     }
