@@ -19,8 +19,8 @@ use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::{Aabb, Corners, Mesh, Pose, Scene, Shape};
 use dcd_simd::{Block, Kernel, Lanes, Path, Row, Unfused, WIDTH, dispatch_on, prefetch};
 
-/// Runs the kernel on that path: compiled here, once. The same bits on every path, and so the same AABBs, whose order is that of the
-/// pairs.
+/// Runs the kernel on that path: compiled here, once. Nothing is fused: AABBs are the same to the bit on every path, for they
+/// decide in which order pairs are found.
 pub(crate) fn prepare(path: Path, objects: Prepare<'_>) {
     dispatch_on(path, Unfused(objects));
 }

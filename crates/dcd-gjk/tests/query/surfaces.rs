@@ -15,7 +15,7 @@ fn with(options: ManifoldOptions, a: &PosedSupport, b: &PosedSupport) -> Manifol
     answer_of(&Manifolds { options }, a, b)
 }
 
-fn answers_touching(a: &PosedSupport, b: &PosedSupport) -> bool {
+fn touch(a: &PosedSupport, b: &PosedSupport) -> bool {
     certified::overlap_of(a.placed(), b.placed()).0 == Verdict::Touching(())
 }
 
@@ -91,7 +91,7 @@ fn all_options() -> impl Iterator<Item = ManifoldOptions> {
 #[test]
 fn what_rests_on_a_floor_however_that_is_turned_is_pushed_up_and_no_farther_than_it_is_deep() {
     let mut draw = Draw(53);
-    // Two squares, on the inner edge of which something rests.
+    // Four squares, on whose inner edges something rests.
     let (vertices, triangles) = grid(2, |i, j| DVec3::new(i - 1.0, j, 0.0));
     let floor = Shape::mesh(vertices, triangles).unwrap();
     let cube = Shape::cuboid(DVec3::splat(0.2)).unwrap();
@@ -152,7 +152,7 @@ fn no_option_changes_what_a_half_space_and_a_mesh_have_but_for_what_a_front_has_
         let ground = Shape::half_space(DVec3::Z, 0.0).unwrap();
         let mesh = PosedSupport::new(mesh, turn, DVec3::Z * 0.3 * draw.unit());
         let ground = PosedSupport::at(&ground, DVec3::ZERO);
-        if !answers_touching(&mesh, &ground) {
+        if !touch(&mesh, &ground) {
             continue;
         }
         for options in all_options() {
@@ -205,7 +205,7 @@ fn what_touches_the_sharp_rim_of_a_solid_from_outside_is_in_front_of_it() {
         for _ in 0..60 {
             let middle = 0.5 * (apart + touching);
             let body = PosedSupport::new(body.clone(), turn, away * middle);
-            if answers_touching(&solid, &body) { touching = middle } else { apart = middle }
+            if touch(&solid, &body) { touching = middle } else { apart = middle }
         }
         let body = PosedSupport::new(body.clone(), turn, away * (touching - 1e-6));
         for options in all_options() {
@@ -310,7 +310,7 @@ fn two_meshes_and_two_compounds_touch_as_they_are() {
             let turn = DQuat::from_scaled_axis(draw.vector() * 3.0).normalize();
             PosedSupport::new(shape, turn, draw.vector() * 0.4)
         });
-        if !answers_touching(&a, &b) {
+        if !touch(&a, &b) {
             continue;
         }
         for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {

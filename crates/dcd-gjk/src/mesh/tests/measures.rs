@@ -182,3 +182,9 @@ fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measu
     assert!(counts.iter().all(|&count| count > 5) && of_hulls > 10, "{counts:?} {of_hulls}");
     assert!(tight[..3].iter().all(|&count| count > 20) && tight[3] > 3, "{tight:?}");
 }
+
+#[test]
+fn what_touches_in_no_part_that_is_known_has_no_depth() {
+    let found = crate::mesh::deepest(&[], |_, _| None);
+    assert_eq!(found.map(|(pair, _)| pair), Err(Reason::WithinRounding));
+}

@@ -131,7 +131,7 @@ pub(super) fn write_pair_by_pair(
             None => break,
         }
     }
-    // Of shapes that touch: which of their parts do is within rounding then.
+    // The shapes touch, but which of their parts do is within rounding.
     if pairs.is_empty() { Err(Reason::WithinRounding) } else { Ok(()) }
 }
 

@@ -9,7 +9,8 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Mesh, Pose, Shape, SupportMap};
 
 /// How the triangles of a mesh are taken where it touches a convex shape or a compound; two meshes touch as they are. A half-space
-/// touches along its own normal: no edge catches on it, and what it has behind a front is not pushed out.
+/// touches along its own normal, whatever the edges: from behind a triangle not at all with [`MeshSides::Front`], and as it
+/// does without options with [`MeshSides::Outward`], for no finite way pushes it out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ManifoldOptions {
     /// Which side of a triangle touches.
@@ -27,7 +28,8 @@ pub enum MeshSides {
     Both,
     /// The front: what touches from behind has no manifold there, and an empty set if it touches nowhere else. The way on which
     /// the two come free the soonest says from where. Where that is more than sixty degrees from the triangle's normal, either
-    /// way, what touches from behind has its middle behind, and does not touch a ridge or a peak from outside.
+    /// way, what touches from behind has its middle behind, and does not touch a ridge or a peak from outside: with
+    /// [`MeshEdges::All`] a contact from the front may so lean back by thirty degrees.
     Front,
     /// The front, and what lies behind a face is pushed out along the face's normal: for terrain that nothing is under. What
     /// touches an edge or a vertex from behind, and no face, is not.
