@@ -334,7 +334,7 @@ pub(super) fn by_formula(
 
 /// The depth of two cuboids along the world's axes that are known to touch.
 /// (a, b) and (b, a) give the same bits, mirrored.
-fn upright(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
+pub(super) fn upright(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
     let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
     let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
     match order::are_swapped(a, b) {

@@ -29,14 +29,20 @@ impl AxisAligned {
     }
 }
 
+/// Whether both objects are marked as upright.
+#[inline(always)]
+pub(super) fn are_upright(frames: FramePair<'_>, pair: Pair) -> bool {
+    frames.a.record(pair.i).marks & frames.b.record(pair.j).marks & AXIS_ALIGNED != 0
+}
+
 /// Whether two objects touch, by the exact closed form, and which method that was; `None` unless both
 /// are marked as upright.
 #[inline]
 pub(super) fn touch(frames: FramePair<'_>, pair: Pair) -> Option<(bool, Method)> {
-    let records = [frames.a.record(pair.i), frames.b.record(pair.j)];
-    if records[0].marks & records[1].marks & AXIS_ALIGNED == 0 {
+    if !are_upright(frames, pair) {
         return None;
     }
+    let records = [frames.a.record(pair.i), frames.b.record(pair.j)];
     let half = Halves { a: frames.a.upright(pair.i).half, b: frames.b.upright(pair.j).half };
     let centres = records.map(|record| {
         let [x, y, z, _] = record.centre;

@@ -11,6 +11,7 @@ use super::expand;
 use super::first_stages::{self, Entry, Place, Resolved};
 use super::frame::{AXIS_ALIGNED, BOX, FramePair, SimdFrame};
 use super::kept_proofs::KeptProofs;
+use super::kind_order::KindOrder;
 use super::nearest_points::Found;
 use super::obb::{self, ObbPairs};
 use super::packet::{
@@ -41,6 +42,7 @@ pub struct Scratch {
     /// Where distances are to be measured.
     pub(super) measured: Measured,
     left: Vec<Left>,
+    left_order: KindOrder<Left>,
     ahead: Prefetch,
     support_scratch: SupportScratch,
     entry: Entry,
@@ -104,7 +106,7 @@ impl Scratch {
 const WIDENING: f32 = 4.0;
 
 /// A pair that the lanes leave open.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Left {
     /// Its number in the slice.
     pub(super) number: u32,
@@ -133,20 +135,24 @@ impl<'a> Slice<'a> {
         let (bounds, frames) = (PhantomData::<T>, self.frames());
         dispatch_on(path, Decide { bounds, frames, pairs, scratch, report: &mut *report });
         self.judge_by_parts(scratch, report);
-        for left in &scratch.left {
+        scratch.left.retain(|left| {
             let number = left.number as usize;
-            let pair = pairs[number];
-            scratch.touching[number] = match axis_aligned::touch(frames, pair) {
-                Some((touch, method)) => {
-                    report.count(method, 1);
-                    touch
-                }
-                None => {
-                    let kept = &mut scratch.touching_parts;
-                    let known = Known { axes: left.axes, parts: &mut scratch.parts, kept };
-                    self.resolve(left.number, known, report)
-                }
+            let Some((touch, method)) = axis_aligned::touch(frames, pairs[number]) else {
+                return true;
             };
+            report.count(method, 1);
+            scratch.touching[number] = touch;
+            false
+        });
+        // What is measured next comes in the order in which it is found.
+        if scratch.touching_parts.is_wanted() {
+            scratch.left_order.sort((frames, pairs), &mut scratch.left, |left| left.number);
+        }
+        for left in &scratch.left {
+            let (kept, parts) = (&mut scratch.touching_parts, &mut scratch.parts);
+            let known = Known { axes: left.axes, parts, kept };
+            let touches = self.resolve(left.number, known, report);
+            scratch.touching[left.number as usize] = touches;
         }
     }
 

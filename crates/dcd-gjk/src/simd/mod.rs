@@ -22,6 +22,7 @@ mod first_stages;
 pub(crate) mod frame;
 mod inscribed;
 mod kept_proofs;
+mod kind_order;
 mod nearest_points;
 mod obb;
 mod packet;
@@ -174,14 +175,24 @@ impl MeasureSpheres for TouchingSpheres<'_> {
     }
 }
 
-/// Appends the touching pairs in order, without a branch that half of the pairs would mispredict.
+/// Appends the touching pairs in order.
 #[inline]
 pub(crate) fn append_contacts(touching: &[bool], pairs: &[Pair], contacts: &mut Vec<Contact<()>>) {
-    let mut end = contacts.len();
-    contacts.resize(end + pairs.len(), Contact::default());
+    append_touching((touching, pairs), contacts, |pair| Contact { pair, answer: () });
+}
+
+/// Appends what is made of the touching pairs, in order, without a branch that half of the pairs would mispredict.
+#[inline(always)]
+fn append_touching<T: Clone + Default>(
+    (touching, pairs): (&[bool], &[Pair]),
+    list: &mut Vec<T>,
+    of: impl Fn(Pair) -> T,
+) {
+    let mut end = list.len();
+    list.resize(end + pairs.len(), T::default());
     for (&touches, &pair) in touching.iter().zip(pairs) {
-        contacts[end].pair = pair;
+        list[end] = of(pair);
         end += usize::from(touches);
     }
-    contacts.truncate(end);
+    list.truncate(end);
 }

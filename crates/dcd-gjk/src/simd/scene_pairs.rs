@@ -65,11 +65,16 @@ impl<'a> ScenePairs<'a> {
         }
     }
 
-    /// The same, where little else is read of a pair: not what a near cache holds.
+    /// Prefetches the poses of the pair far behind one of that number, where no more is read of it than these and what a
+    /// near cache holds.
     #[inline(always)]
-    pub(super) fn look_ahead_to_far_shapes(&self, number: usize) {
-        if !self.frames.are_near() {
-            self.look_ahead_to_shapes(number);
+    pub(super) fn look_ahead_to_poses(&self, number: usize) {
+        let Self { frames, scenes: [of_a, of_b], pairs } = *self;
+        if let Some(pair) = pairs.get(number + FAR)
+            && !frames.are_near()
+        {
+            prefetch(slice::from_ref(&of_a.poses()[pair.i as usize]));
+            prefetch(slice::from_ref(&of_b.poses()[pair.j as usize]));
         }
     }
 

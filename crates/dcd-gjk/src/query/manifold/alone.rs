@@ -5,13 +5,13 @@ use super::on_plane::Resting;
 use super::one_point::{in_one_point, of_one_point, of_sphere};
 use super::patch_writer::PatchWriter;
 use super::{
-    Manifold, ManifoldContacts, ManifoldSet, Manifolds, Scratch, write_by_corners,
+    Manifold, ManifoldContacts, ManifoldSet, Manifolds, Scratch, upright, write_by_corners,
     write_of_polytopes,
 };
 use crate::closed::is_sphere;
 use crate::epa::Depth;
 use crate::query::{Accuracy, FoundDepth, MeasureAt, depths};
-use crate::{ContactList, PosedShape, Verdict, closed};
+use crate::{ContactList, PosedShape, Verdict, closed, order};
 use dcd_geom::glam::DVec3;
 
 /// What is known of two convex shapes beside their depth.
@@ -116,6 +116,12 @@ pub(super) fn write(
     if a.shape.as_polytope().is_none() || b.shape.as_polytope().is_none() {
         let measured = solver.measure_at(accuracy, a, b, scratch);
         return measured.map(|answer| contacts.set(number, answer));
+    }
+    if let Some(depth) = depths::upright(a, b)
+        && upright::write(&depth, sides, usize::from(order::is_swapped(a, b)), contacts.writer())
+    {
+        contacts.keep_last(number);
+        return Verdict::Touching(());
     }
     of_convex(accuracy, sides, scratch, |depth, known, corners| {
         write_of_polytopes_alone((depth, known), sides, corners, (contacts, number));

@@ -6,6 +6,7 @@
 #[cfg(test)]
 mod tests;
 
+use super::feature_code::FeatureCode;
 use super::patch_writer::{PatchWriter, Point};
 use super::{Feature, Manifold, ManifoldPoint, ManifoldSet};
 use crate::epa::Depth;
@@ -87,6 +88,7 @@ impl ManifoldContacts {
     #[inline(always)]
     pub(super) fn push_one_point(&mut self, pair: Pair, depth: &Depth, features: [Feature; 2]) {
         let &Depth { depth, normal, point_a, point_b, error_bound } = depth;
+        let features = features.map(FeatureCode::from);
         let first = Point { point_a, point_b, depth, features };
         let Self { heads, answers: Answers { ones, rest, .. }, .. } = self;
         heads.push(Head { pair, answer: Place::of_one(ones.len()) });
@@ -235,11 +237,12 @@ fn start<T>(list: &[T], number: usize, end: impl Fn(&T) -> usize) -> usize {
 impl Point {
     #[inline(always)]
     fn of(&ManifoldPoint { point_a, point_b, depth, features, parts: _ }: &ManifoldPoint) -> Self {
-        Self { point_a, point_b, depth, features }
+        Self { point_a, point_b, depth, features: features.map(FeatureCode::from) }
     }
 
     fn read(&self) -> ManifoldPoint {
         let &Self { point_a, point_b, depth, features } = self;
+        let features = features.map(Feature::from);
         ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] }
     }
 }

@@ -3,9 +3,10 @@
 use super::clip::different;
 use super::cuboid_polygon::{MOST, Points, features};
 use super::cuboids::{self, Clipped, Clipping};
+use super::feature_code::FeatureCode;
 use super::patch_writer::{PatchWriter, Point};
 use super::reduce::{self, Spot};
-use super::{Feature, SAME, bound_of, bound_of_witnesses};
+use super::{Feature, SAME, bound_of, bound_of_witnesses, upright};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::glam::{DVec2, DVec3};
@@ -33,6 +34,17 @@ impl Spot for Place {
 /// Writes the manifold of two boxes of that depth; false, and nothing written, where the general way is needed: see
 /// [`cuboids::clipped`].
 pub(super) fn write(
+    depth: &Depth,
+    sides: [PosedShape<'_>; 2],
+    points: &mut Points,
+    writer: &mut impl PatchWriter,
+) -> bool {
+    // Of two faces that are as square to the normal the first clips.
+    upright::write(depth, sides, 0, writer) || write_clipped(depth, sides, points, writer)
+}
+
+/// The same by what the face of one clips of the other.
+pub(super) fn write_clipped(
     depth: &Depth,
     [a, b]: [PosedShape<'_>; 2],
     points: &mut Points,
@@ -110,7 +122,7 @@ impl Seen<'_> {
             point_a: on_face + normal * (over_a + radii[0]),
             point_b: on_face - normal * (under_b + radii[1]),
             depth: place.depth.clamp(0.0, depth.depth),
-            features,
+            features: features.map(FeatureCode::from),
         }
     }
 

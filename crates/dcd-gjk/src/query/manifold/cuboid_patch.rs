@@ -1,11 +1,13 @@
 //! The manifold of two cuboids from the patch that the lanes found: f64 numbers and features from its codes.
 
+use super::feature_code::FeatureCode;
 use super::patch_writer::{PatchWriter, Point};
 use super::{Feature, cuboids};
 use crate::PosedShape;
 use crate::simd::{CuboidPatch, PatchPoint, Shown, ShownKind};
 use dcd_geom::Kind;
 use dcd_geom::glam::{DMat3, DVec3};
+use std::hint::select_unpredictable;
 
 /// Writes the manifold of a patch that is known; false, and nothing written, for a face without a number.
 #[inline(always)]
@@ -53,7 +55,7 @@ struct Placed {
     /// Whether two edges cross, which is the only point.
     is_crossing: bool,
     /// What the one that clips shows, and the other.
-    whole: [Feature; 2],
+    whole: [FeatureCode; 2],
     corners: Numbered,
 }
 
@@ -75,35 +77,35 @@ impl Placed {
 
 /// From the first to the second.
 #[inline(always)]
-fn normal(patch: CuboidPatch<'_>, rotations: [&DMat3; 2]) -> DVec3 {
-    let axis = |side: usize, number: usize| {
-        let DMat3 { x_axis, y_axis, z_axis } = rotations[side];
-        *match number {
-            0 => x_axis,
-            1 => y_axis,
-            _ => z_axis,
-        }
+fn normal(patch: CuboidPatch<'_>, [first, second]: [&DMat3; 2]) -> DVec3 {
+    let axis = |rotation: &DMat3, edge: usize| {
+        let columns: &[f64; 9] = rotation.as_ref();
+        let first = 3 * edge.min(2);
+        DVec3::new(columns[first], columns[first + 1], columns[first + 2])
     };
     let along = match patch.codes().edges() {
-        [Some(j), Some(k)] => axis(0, j).cross(axis(1, k)),
-        [Some(j), None] => axis(0, j),
-        [None, k] => axis(1, k.unwrap_or_default()),
+        [Some(j), Some(k)] => axis(first, j).cross(axis(second, k)),
+        // Selected: whose face it is cannot be predicted.
+        [of_first, of_second] => axis(
+            select_unpredictable(of_first.is_some(), first, second),
+            of_first.or(of_second).unwrap_or_default(),
+        ),
     };
     let scale = along.length().recip();
-    along * if patch.is_back() { -scale } else { scale }
+    along * select_unpredictable(patch.is_back(), -scale, scale)
 }
 
 /// What a cuboid shows, by its number; `None` for other shapes, and for a face without one.
 #[inline(always)]
-fn whole(shown: Shown, side: PosedShape<'_>) -> Option<Feature> {
+fn whole(shown: Shown, side: PosedShape<'_>) -> Option<FeatureCode> {
     let Shown { kind, axis, corner, case } = shown;
     Some(match kind {
-        ShownKind::Vertex => Feature::Vertex(corner),
-        ShownKind::Edge => Feature::Edge(corner & !(1 << axis), corner | 1 << axis),
+        ShownKind::Vertex => FeatureCode::vertex(corner),
+        ShownKind::Edge => FeatureCode::edge(corner & !(1 << axis), corner | 1 << axis),
         ShownKind::Face => {
             let is_forward = corner >> axis & 1 == 1;
             let number = cuboids::number_in(case, axis as usize, is_forward);
-            Feature::Face(number.or_else(|| face(side, axis as usize, is_forward))?)
+            Feature::Face(number.or_else(|| face(side, axis as usize, is_forward))?).into()
         }
     })
 }
@@ -145,50 +147,53 @@ impl Numbered {
         Self { clipped: low(clipped.corner, edges), edges, clips: low(clips.corner, sides), sides }
     }
 
-    /// What of the shape that clips and of the other a corner belongs to: by the bounds that meet there.
+    /// What of the shape that clips and of the other a corner belongs to: by the bounds that meet there. Selected, since they
+    /// cannot be predicted.
     #[inline(always)]
-    fn features(&self, [j, k]: [u8; 2], [of_clips, of_clipped]: [Feature; 2]) -> [Feature; 2] {
-        match (j, k) {
-            (0..4, 0..4) => [of_clips, Feature::Vertex(self.corner(j))],
-            (0..4, 8..) => [of_clips, self.edge(j)],
-            (0..4, _) => [self.side(k), self.edge(j)],
-            (_, 8..) => [self.side(j), of_clipped],
-            // The corner where a side of the first axis meets one of the second.
-            _ => [Feature::Vertex(self.clips | self.end(j) | self.end(k)), of_clipped],
-        }
+    fn features(&self, [j, k]: [u8; 2], whole: [FeatureCode; 2]) -> [FeatureCode; 2] {
+        let [of_clips, of_clipped] = whole;
+        let select = FeatureCode::select;
+        let is_side = |bound: u8| bound & 12 == 4;
+        let (are_sides, is_edge) = ([is_side(j), is_side(k)], j < 4);
+        // On one side, or where a side of the first axis meets one of the second.
+        let side = self.side(select_unpredictable(are_sides[0], j, k));
+        let corner = FeatureCode::vertex(self.clips | self.end(j) | self.end(k));
+        let beside = select(are_sides[0] & are_sides[1], corner, side);
+        let of_clips = select(are_sides[0] | are_sides[1], beside, of_clips);
+        let own = select(k < 4, FeatureCode::vertex(self.corner(j)), self.edge(j));
+        [of_clips, select(is_edge, own, of_clipped)]
     }
 
     /// Of what is clipped: low along both edges, high along the first, along both, along the second.
     #[inline(always)]
     fn corner(&self, number: u8) -> u32 {
         let [u, v] = self.edges;
-        let (is_high_u, is_high_v) = ((number + 1) & 2 != 0, number & 2 != 0);
-        self.clipped | if is_high_u { u } else { 0 } | if is_high_v { v } else { 0 }
+        // All bits or none.
+        let mask = |is_high: bool| u32::from(is_high).wrapping_neg();
+        self.clipped | u & mask((number + 1) & 2 != 0) | v & mask(number & 2 != 0)
     }
 
     /// The edge of what is clipped from the corner of that number to the next.
     #[inline(always)]
-    fn edge(&self, from: u8) -> Feature {
-        let (corner, bit) = (self.corner(from), self.edges[usize::from(from & 1)]);
-        Feature::Edge(corner & !bit, corner | bit)
+    fn edge(&self, from: u8) -> FeatureCode {
+        let bit = select_unpredictable(from & 1 == 0, self.edges[0], self.edges[1]);
+        let corner = self.corner(from);
+        FeatureCode::edge(corner & !bit, corner | bit)
     }
 
     /// The side of the face of that number.
     #[inline(always)]
-    fn side(&self, bound: u8) -> Feature {
-        let along = self.sides[usize::from(bound & 2 == 0)];
+    fn side(&self, bound: u8) -> FeatureCode {
+        let along = select_unpredictable(bound & 2 == 0, self.sides[1], self.sides[0]);
         let low = self.clips | self.end(bound);
-        Feature::Edge(low, low | along)
+        FeatureCode::edge(low, low | along)
     }
 
     /// The bit of a side that is at the high end of its axis.
     #[inline(always)]
     fn end(&self, bound: u8) -> u32 {
         let [p, q] = self.sides;
-        match bound & 3 {
-            0 => p,
-            2 => q,
-            _ => 0,
-        }
+        let end = select_unpredictable(bound & 2 == 0, p, q);
+        select_unpredictable(bound & 1 == 0, end, 0)
     }
 }

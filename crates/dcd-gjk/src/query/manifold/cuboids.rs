@@ -145,7 +145,7 @@ pub(super) fn shown(side: PosedShape<'_>, towards: DVec3) -> Option<(Feature, DV
     Some((of_box.feature(seen)?, along))
 }
 
-fn is_solid(half: DVec3) -> bool {
+pub(super) fn is_solid(half: DVec3) -> bool {
     half.min_element() > SOLID * half.max_element()
 }
 

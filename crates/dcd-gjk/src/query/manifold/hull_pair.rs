@@ -8,6 +8,7 @@ use super::cuboid_pair::Place;
 use super::cuboid_polygon::{LineOf, PointOf, Polygon, features};
 use super::facing::Part;
 use super::feature::{Placed, View};
+use super::feature_code::FeatureCode;
 use super::leaning_edge::level_of_edge;
 use super::patch_writer::{PatchWriter, Point};
 use super::reduce;
@@ -282,7 +283,7 @@ impl PlacedCorners<'_> {
             point_a: clipping.view.in_world(place.at, heights[0] + radii[0]) + origin,
             point_b: clipping.view.in_world(place.at, heights[1] - radii[1]) + origin,
             depth: place.depth.clamp(0.0, depth.depth),
-            features,
+            features: features.map(FeatureCode::from),
         }
     }
 }

@@ -18,6 +18,7 @@ mod cuboid_polygon;
 mod cuboids;
 mod facing;
 mod feature;
+mod feature_code;
 mod few;
 mod few_on_plane;
 mod hull_pair;
@@ -34,6 +35,7 @@ mod set;
 mod stand_in;
 mod surface;
 mod triangle_clip;
+mod upright;
 
 use super::{Accuracy, FoundDepth, FoundPair, MeasureAt, MeasureDepth};
 use crate::epa::{self, Depth};

@@ -1,6 +1,7 @@
 //! Where the manifold of two convex shapes is written: in an empty manifold, or where a step keeps it. What finds the points
 //! writes them once, where they are to stay: a point that is copied right after it has been written is waited for.
 
+use super::feature_code::FeatureCode;
 use super::{Feature, Manifold, ManifoldPoint};
 use crate::epa::Depth;
 use dcd_geom::glam::DVec3;
@@ -11,7 +12,7 @@ pub(super) struct Point {
     pub(super) point_a: DVec3,
     pub(super) point_b: DVec3,
     pub(super) depth: f64,
-    pub(super) features: [Feature; 2],
+    pub(super) features: [FeatureCode; 2],
 }
 
 /// Where one manifold of shapes without parts is written.
@@ -26,6 +27,7 @@ pub(super) trait PatchWriter {
     #[inline(always)]
     fn write_witnesses(&mut self, depth: &Depth, features: [Feature; 2], error_bound: f64) {
         let &Depth { depth, normal, point_a, point_b, .. } = depth;
+        let features = features.map(FeatureCode::from);
         self.begin(normal, error_bound, Point { point_a, point_b, depth, features });
     }
 }
@@ -39,6 +41,7 @@ impl PatchWriter for Manifold {
 
     #[inline(always)]
     fn push(&mut self, Point { point_a, point_b, depth, features }: Point) {
+        let features = features.map(Feature::from);
         self.points.push(ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] });
     }
 }

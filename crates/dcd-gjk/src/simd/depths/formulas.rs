@@ -1,5 +1,6 @@
 //! Pairs that have a formula: spheres are answered where they are met, cuboids from the patches that the lanes found.
 
+use super::super::axis_aligned;
 use super::super::closed::patches;
 use super::super::closed::{are_cuboids, depths as of_cuboids};
 use super::super::scene_pairs::ScenePairs;
@@ -37,6 +38,8 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
         of_cuboids.pairs.clear();
         searched.begin();
         let apart = apart.begin();
+        // The closed form of boxes along the axes has their patch. At f32's accuracy the lanes find it in less time.
+        let is_upright_known = S::READS_PATCHES && accuracy != Accuracy::F32;
         for (number, &pair) in (0..).zip(pairs) {
             if let Some(spheres) = frames.spheres(pair) {
                 match closed::depth_of_spheres(spheres, sharp) {
@@ -45,6 +48,8 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
                     }
                     None => answers.to.left.push(number),
                 }
+            } else if is_upright_known && axis_aligned::are_upright(frames, pair) {
+                answers.to.left.push(number);
             } else if are_cuboids(frames, pair) {
                 cuboids.push(number);
                 of_cuboids.pairs.push(pair);
@@ -123,7 +128,7 @@ impl<S: MeasureDepth> Kernel for WritePatches<'_, '_, S> {
         let pairs = &mut of_cuboids.pairs;
         let mut kept = 0;
         for place in 0..pairs.len().min(cuboids.len()) {
-            ScenePairs { pairs, ..objects }.look_ahead_to_far_shapes(place);
+            ScenePairs { pairs, ..objects }.look_ahead_to_poses(place);
             let (pair, number) = (pairs[place], cuboids[place]);
             let patch = patches.of(place);
             if !patch.is_known() || !answers.write_patch(number, patch, objects.posed(pair)) {

@@ -8,7 +8,6 @@ mod answers;
 mod apart;
 mod confirm;
 mod formulas;
-mod left;
 mod nearest_face;
 mod proposed;
 mod search;
@@ -21,11 +20,12 @@ pub(super) use vectors::vertex;
 
 use super::closed::{depths as of_cuboids, patches};
 use super::frame::{FramePair, SimdFrame};
+use super::kind_order::KindOrder;
 use super::scene_pairs::ScenePairs;
 use super::spheres;
 use super::support::SupportScratch;
 use super::touching_parts::Wanted;
-use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
+use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, append_touching, prepare};
 use crate::closed::{self, Axes};
 use crate::epa::Depth;
 use crate::query::{FEWEST_MEASURED, FoundDepth as Found, MeasureDepth};
@@ -39,7 +39,6 @@ use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, List, Pair, Scene};
 use dcd_simd::{ArrayVec, Kernel, Lanes, Path, dispatch_on};
 use formulas::{BySpheres, Sort, WritePatches};
-use left::Left;
 use nearest_face::OfFaces;
 use proposed::{Proposal, Propose};
 use search::{DepthSearch, Next};
@@ -95,6 +94,26 @@ pub struct Scratch<S> {
     touching: Vec<Pair>,
     left: Left,
     solver: S,
+}
+
+/// The pairs that the solver measures one by one.
+#[derive(Debug, Default)]
+struct Left {
+    /// Their numbers among those that touch.
+    numbers: Vec<u32>,
+    /// The pairs, in the order of their numbers there.
+    pairs: Vec<Pair>,
+    order: KindOrder<u32>,
+}
+
+impl Left {
+    /// Brings together those of the same kinds.
+    fn sort(&mut self, frames: FramePair<'_>, touching: &[Pair]) {
+        let Self { numbers, pairs, order } = self;
+        order.sort((frames, touching), numbers, |&number| number);
+        pairs.clear();
+        pairs.extend(numbers.iter().map(|&number| touching[number as usize]));
+    }
 }
 
 /// The same for the pairs that touch.
@@ -236,9 +255,8 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let wanted = if S::READS_BOUNDS { Wanted::Bounds } else { Wanted::Parts };
         yes.touching_parts.begin(wanted);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
-        let touch = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
         touching.clear();
-        touching.extend(touch.map(|(&pair, _)| pair));
+        append_touching((yes.touching(), pairs), touching, |pair| pair);
         // Each answer is written when it is known.
         let first = sink.contacts.len();
         touching.iter().for_each(|&pair| sink.contacts.push_pair(pair));

@@ -11,10 +11,11 @@ mod rows;
 mod several;
 
 use super::corners::share_no_corners;
-use super::facing::{Part, edge};
+use super::facing::Part;
+use super::feature_code::FeatureCode;
 use super::leaning_edge::level_of_edge;
 use super::patch_writer::{PatchWriter, Point};
-use super::{Feature, SAME, bound_of, bound_of_witnesses};
+use super::{SAME, bound_of, bound_of_witnesses};
 use crate::order;
 use crate::query::{FoundDepth, FoundPair};
 use dcd_geom::glam::DVec3;
@@ -232,7 +233,7 @@ struct PlacedCorners<'a> {
     /// Whether a is the one that clips.
     is_of_a: bool,
     /// What the one that clips shows, and the other: as wholes, and their corners.
-    whole: [Feature; 2],
+    whole: [FeatureCode; 2],
     corners: [&'a [u32]; 2],
 }
 
@@ -250,7 +251,7 @@ impl<'a> PlacedCorners<'a> {
             to_other,
             most: shown.pair.found.depth.depth,
             is_of_a: number == 0,
-            whole: [clips.name(), clipped.name()],
+            whole: [clips.name().into(), clipped.name().into()],
             corners: [clips.corners(), clipped.corners()],
         }
     }
@@ -271,20 +272,20 @@ impl<'a> PlacedCorners<'a> {
         Point { point_a, point_b, depth: depth.clamp(0.0, self.most), features }
     }
 
-    /// What a corner belongs to: of the shape that clips, and of the other.
-    // By number, since a branch on it could not be predicted.
+    /// What a corner belongs to: of the shape that clips, and of the other. Selected, since it cannot be predicted.
     #[inline(always)]
-    fn features(&self, slot: usize) -> [Feature; 2] {
+    fn features(&self, slot: usize) -> [FeatureCode; 2] {
         let ([of_clips, of_clipped], [sides, edges]) = (self.whole, self.corners);
+        let select = FeatureCode::select;
         let by = self.packet.slots.0[slot % SLOTS].by[self.lane];
         let side = by as usize % CORNERS;
-        let of_clips = [from(sides, side), Feature::Vertex(corner(sides, side)), of_clips];
-        let kind = if by < CORNER { 0 } else { 1 + usize::from(by >= SURFACE) };
+        let of_corner = select(by < SURFACE, FeatureCode::vertex(corner(sides, side)), of_clips);
+        let of_clips = select(by < CORNER, from(sides, side), of_corner);
         let number = slot / 2;
-        let of_clipped = [from(edges, number), Feature::Vertex(corner(edges, number)), of_clipped];
         let is_of_clips = number >= self.packet.clipped.most;
-        let other = if is_of_clips { 2 } else { usize::from(by >= VERTEX) };
-        [of_clips[kind], of_clipped[other]]
+        let own = FeatureCode::vertex(corner(edges, number));
+        let of_edge = select(by >= VERTEX, own, from(edges, number));
+        [of_clips, select(is_of_clips, of_clipped, of_edge)]
     }
 }
 
@@ -296,9 +297,9 @@ fn corner(corners: &[u32], number: usize) -> u32 {
 
 /// The edge from there to the next corner.
 #[inline(always)]
-fn from(corners: &[u32], number: usize) -> Feature {
+fn from(corners: &[u32], number: usize) -> FeatureCode {
     let next = if number + 1 < corners.len() { number + 1 } else { 0 };
-    edge(corner(corners, number), corner(corners, next))
+    FeatureCode::edge(corner(corners, number), corner(corners, next))
 }
 
 impl Packet {
