@@ -5,7 +5,7 @@
 //! there, and no farther (Mirtich 1996; Zhang, Lee, Kim 2006). Nothing fast tunnels through anything thin.
 
 use crate::distance::{Distance, DistanceResult, distance_at, gap_along};
-use crate::{Accuracy, PosedShape, order};
+use crate::{Accuracy, PosedShape, Verdict, certified, order};
 use advance::Advance;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Pose, PoseError, Shape};
@@ -70,9 +70,9 @@ pub enum Impact {
         touches: bool,
         /// From a to b at `t`, of unit length; zero where they touch.
         normal: DVec3,
-        /// The point of a nearest to b at `t`, world frame.
+        /// The point of a nearest to b at `t`, but for the tolerance; world frame.
         point_a: DVec3,
-        /// The point of b nearest to a.
+        /// The point of b nearest to a, likewise.
         point_b: DVec3,
     },
     /// Proved free before; nothing is known of what comes then.
@@ -118,12 +118,47 @@ impl RigidMotion {
         Pose::from_matrix(rotation, middle - rotation * centre)
     }
 
-    /// How far a pose until `t` may be from the exact one, for a shape whose points are within `radius` of the
-    /// centre.
-    fn deviation(&self, radius: f64, t: f64) -> f64 {
-        let moved = self.start.translation().length() + length(self.linear) * t;
+    /// How far a pose may be from the exact one, for a shape whose points are within `radius` of the centre: at t = 0, and by
+    /// how much more a unit of t.
+    fn deviation(&self, radius: f64) -> [f64; 2] {
         let arms = radius + 2.0 * length(self.centre);
-        POSE * U * (moved + arms * (1.0 + length(self.angular) * t))
+        let at_start = self.start.translation().length() + arms;
+        let per_time = length(self.linear) + arms * length(self.angular);
+        [POSE * U * at_start, POSE * U * per_time]
+    }
+}
+
+/// How far a search goes, and within what.
+#[derive(Clone, Copy)]
+struct Limits {
+    until: f64,
+    /// Metres.
+    tolerance: f64,
+    /// Twice what the poses of both are off by at t = 0, and a unit of t: metres.
+    off: [f64; 2],
+}
+
+impl Limits {
+    fn of([a, b]: [MovingShape<'_>; 2], closing: &Closing, until: f64, tolerance: f64) -> Self {
+        let [of_a, of_b] = closing.radii;
+        let ([at_a, per_a], [at_b, per_b]) = (a.motion.deviation(of_a), b.motion.deviation(of_b));
+        Self { until, tolerance, off: [2.0 * (at_a + at_b), 2.0 * (per_a + per_b)] }
+    }
+
+    /// What a gap at that time may be off by, metres.
+    fn off(&self, t: f64) -> f64 {
+        self.off[0] + self.off[1] * t
+    }
+
+    /// Until when a gap lasts that is proved at a time, less what it is off by then, and closes at most at that speed: a
+    /// quotient and a sum, rounded down with a margin. What poses are off by then is left of it.
+    fn lasts(&self, from: f64, gap: f64, speed: f64) -> f64 {
+        from + gap / (speed + self.off[1]) * (1.0 - 1e-12)
+    }
+
+    /// Whether shapes whose poses at that time are no farther apart are within the tolerance.
+    fn are_near(&self, t: f64, apart: f64) -> bool {
+        apart <= self.tolerance - self.off(t)
     }
 }
 
@@ -157,8 +192,9 @@ pub fn rotation_from_sin_cos(axis: DVec3, [sin, cos]: [f64; 2]) -> DMat3 {
     )
 }
 
-/// When two shapes meet from t = 0 on until `until`, to within `tolerance` metres, at the least some 1e-13
-/// of their size: at a hit they touch or are that near. Shapes that come that near and never touch may be free or hit;
+/// When two shapes meet from t = 0 on until `until`, to within `tolerance` metres: at a hit they touch or are that near.
+/// A tolerance below some 1e-13 of their size, of how far they are from the world's origin and of how far they have moved
+/// and turned by then leaves them undecided where they come near. Shapes that come that near and never touch may be free or hit;
 /// those that touch are never free. Of compounds, meshes and half-spaces too: for those any gap counts, whatever its
 /// direction. A half-space that turns is undecided.
 ///
@@ -178,7 +214,7 @@ pub fn rotation_from_sin_cos(axis: DVec3, [sin, cos]: [f64; 2]) -> DMat3 {
 /// ```
 ///
 /// # Errors
-/// A motion that leaves the range of f64 on the way.
+/// A motion that leaves the range of f64 on the way, or that starts at a pose which is hardly a rotation and, turned, is none.
 pub fn time_of_impact(
     a: MovingShape<'_>,
     b: MovingShape<'_>,
@@ -187,10 +223,12 @@ pub fn time_of_impact(
 ) -> Result<Impact, PoseError> {
     [a, b].iter().for_each(MovingShape::prefetch);
     let closing = Closing::of(a, b);
-    let off = 2.0
-        * (a.motion.deviation(closing.radii[0], until)
-            + b.motion.deviation(closing.radii[1], until));
-    let mut t = match first_advance([a, b], &closing, [until, tolerance, off])? {
+    let limits = &Limits::of([a, b], &closing, until, tolerance);
+    // Of what has no end a distance does not tell.
+    if !a.shape.is_bounded() && !b.shape.is_bounded() && overlap_at_start([a, b]) {
+        return Ok(met(0.0));
+    }
+    let mut t = match first_advance([a, b], &closing, limits)? {
         Advance::Free => return Ok(Impact::Free),
         Advance::Until(t) => t,
         Advance::Near(t, found) => return Ok(near_miss(t, &found)),
@@ -201,30 +239,25 @@ pub fn time_of_impact(
         let posed_b = PosedShape { shape: b.shape, pose: &pose_b };
         let found = match distance_at(Accuracy::F64, posed_a, posed_b).0 {
             DistanceResult::Apart(found) => found,
-            DistanceResult::Interval { within, .. } if within.upper() > tolerance => {
+            DistanceResult::Interval { within, .. } if !limits.are_near(t, within.upper()) => {
                 return Ok(Impact::Undecided { free_until: t });
             }
             DistanceResult::Interval { within, .. } => within,
-            DistanceResult::Touching => {
-                let (free_until, touches) = (t, true);
-                let (normal, point_a, point_b) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
-                return Ok(Impact::Hit { free_until, t, touches, normal, point_a, point_b });
-            }
+            DistanceResult::Touching => return Ok(met(t)),
             DistanceResult::Undecided(_) => return Ok(Impact::Undecided { free_until: t }),
         };
-        if found.upper() <= tolerance {
+        if limits.are_near(t, found.upper()) {
             return Ok(near_miss(t, &found));
         }
         let (gap, speed) = match gap_along(posed_a, posed_b, found.normal) {
             Some(gap) => (gap, closing.along(found.normal)),
             None => (found.lower(), closing.at_most()),
         };
-        let gap = gap - off;
+        let gap = gap - limits.off(t);
         if !(gap > 0.0) {
             return Ok(Impact::Undecided { free_until: t });
         }
-        // A quotient and a sum, rounded down with a margin.
-        let next = t + gap / speed * (1.0 - 1e-12);
+        let next = limits.lasts(t, gap, speed);
         if speed <= 0.0 || next > until {
             return Ok(Impact::Free);
         }
@@ -234,6 +267,18 @@ pub fn time_of_impact(
         t = next;
     }
     Ok(Impact::Undecided { free_until: t })
+}
+
+/// Whether two shapes are proved to overlap as they stand.
+fn overlap_at_start(sides: [MovingShape<'_>; 2]) -> bool {
+    let [a, b] = sides.map(|side| PosedShape { shape: side.shape, pose: &side.motion.start });
+    certified::overlap_of(a, b).0 == Verdict::Touching(())
+}
+
+/// They are proved to touch.
+fn met(t: f64) -> Impact {
+    let (normal, point_a, point_b) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+    Impact::Hit { free_until: t, t, touches: true, normal, point_a, point_b }
 }
 
 /// Within the tolerance of each other, and no proof that they touch.
@@ -246,7 +291,7 @@ fn near_miss(t: f64, found: &Distance) -> Impact {
 fn first_advance(
     [a, b]: [MovingShape<'_>; 2],
     closing: &Closing,
-    limits: [f64; 3],
+    limits: &Limits,
 ) -> Result<Advance, PoseError> {
     let has_support = |shape: &Shape| shape.is_convex() && shape.is_bounded();
     if !has_support(a.shape) || !has_support(b.shape) {

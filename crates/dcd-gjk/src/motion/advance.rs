@@ -8,7 +8,7 @@
 //! meets first. So a gap is also proved at a later time along the same direction; in between it is at least that of
 //! the chord less what the paths bend.
 
-use super::{Closing, MovingShape, cast};
+use super::{Closing, Limits, MovingShape, cast};
 use crate::certificate::{Bounds, combined_length};
 use crate::distance::{Approach, Distance};
 use crate::gjk::{Simplex, start, unit};
@@ -34,16 +34,16 @@ pub(super) enum Advance {
     Near(f64, Distance),
 }
 
-/// Until when nothing meets, as far as single directions prove it. `off` is what poses are off by, and the search
-/// ends where the shapes are within `tolerance`, metres.
+/// Until when nothing meets, as far as single directions prove it. The search ends where the shapes are within the tolerance.
 ///
-/// Proved: at each time the gap along a direction, less `off`, over the closing speed along it.
+/// Proved: at each time the gap along a direction, less what poses are off by then, over the closing speed along it.
 pub(super) fn advance(
     [a, b]: [MovingShape<'_>; 2],
     closing: &Closing,
-    [until, tolerance, off]: [f64; 3],
+    limits: &Limits,
 ) -> Result<Advance, PoseError> {
-    let mut t = match cast::cast([a, b], closing, [until, tolerance, off]) {
+    let &Limits { until, tolerance, .. } = limits;
+    let mut t = match cast::cast([a, b], closing, limits) {
         None => 0.0,
         Some(Advance::Until(t)) => t,
         Some(found) => return Ok(found),
@@ -61,7 +61,7 @@ pub(super) fn advance(
         if let Some(tried) = leap.take() {
             supports += 1;
             let found = Support::along(&difference, &search.bounds, tried.direction);
-            let gap = found.map_or(f64::NAN, |found| found.gap - off);
+            let gap = found.map_or(f64::NAN, |found| found.gap - limits.off(at));
             if !tried.is_proved_by(gap) {
                 leap = tried.shorter(gap);
                 t = if leap.is_some() { t } else { tried.otherwise };
@@ -79,11 +79,10 @@ pub(super) fn advance(
             let Some(Support { gap, vertex, .. }) = search.support() else {
                 return Ok(Advance::Until(next));
             };
-            let (gap, direction) = (gap - off, search.near.direction);
+            let (gap, direction) = (gap - limits.off(t), search.near.direction);
             if gap > 0.0 {
                 let speed = closing.along(-direction);
-                // A quotient and a sum, rounded down by more than they lose.
-                let then = t + gap / speed * (1.0 - 1e-12);
+                let then = limits.lasts(t, gap, speed);
                 if speed <= 0.0 || then > until {
                     return Ok(Advance::Free);
                 }
@@ -103,7 +102,7 @@ pub(super) fn advance(
         if leap.is_none()
             && search.distance() <= tolerance
             && let Some(found) = search.apart([posed_a, posed_b])
-            && found.upper() <= tolerance
+            && limits.are_near(t, found.upper())
         {
             return Ok(Advance::Near(t, found));
         }

@@ -9,7 +9,7 @@
 
 use super::advance::Advance;
 use super::ray_frame::{Miss, RayFrame, Turned};
-use super::{Closing, MovingShape, U, ray_frame};
+use super::{Closing, Limits, MovingShape, U, ray_frame};
 use crate::certificate::Bounds;
 use crate::distance::Distance;
 use crate::gjk::unit;
@@ -33,11 +33,11 @@ const WITHIN_IN_F32: f64 = 16.0 * (f32::EPSILON as f64 / 2.0);
 /// What [`super::advance`] tells, for polytopes without a radius that do not turn; `None` of others, and of those that
 /// overlap as they stand or that rounding leaves open.
 ///
-/// Proved by one support: the gap along its direction, less `off`, over the closing speed along it.
+/// Proved by one support: the gap along its direction, less what poses are off by, over the closing speed along it.
 pub(super) fn cast(
     [a, b]: [MovingShape<'_>; 2],
     closing: &Closing,
-    [until, tolerance, off]: [f64; 3],
+    limits: &Limits,
 ) -> Option<Advance> {
     let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) else {
         return None;
@@ -49,24 +49,25 @@ pub(super) fn cast(
     let (posed_a, posed_b) =
         (PosedSupport::polytope(in_a, start_a), PosedSupport::polytope(in_b, start_b));
     let difference = Difference::new(posed_a, posed_b)?;
+    let &Limits { until, tolerance, .. } = limits;
     let line = Line::of(&difference, closing.linear, [until, tolerance])?;
     let mut face = [Corner::NONE; 3];
     let End { direction, separation, is_met } = dispatch(OnLine { line: &line, face: &mut face })?;
     let lower = Bounds::of(&difference).lower_bound(direction, separation);
-    let gap = lower.next_down() / difference.scale() - off;
+    let gap = lower.next_down() / difference.scale() - limits.off(0.0);
     if !(gap > 0.0) {
         return None;
     }
     let speed = closing.along(-direction);
-    // A quotient, rounded down by more than it loses.
-    let t = gap / speed * (1.0 - 1e-12);
+    let t = limits.lasts(0.0, gap, speed);
     if speed <= 0.0 || t > until {
         return Some(Advance::Free);
     }
     if !is_met {
         return Some(Advance::Until(t));
     }
-    let met = Met { difference: &difference, closing, t, tolerance: tolerance - off };
+    let tolerance = tolerance - limits.off(t);
+    let met = Met { difference: &difference, closing, t, tolerance };
     let near = met.within_tolerance([a, b], &face, direction);
     Some(near.map_or(Advance::Until(t), |found| Advance::Near(t, found)))
 }

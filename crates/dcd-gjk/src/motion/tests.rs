@@ -287,7 +287,8 @@ fn a_cast_of_hulls_is_answered_by_their_difference_alone() {
             continue;
         }
         asked += 1;
-        let known = cast::cast([a, b], &Closing::of(a, b), [2.0, 1e-6, 1e-12]);
+        let limits = Limits { until: 2.0, tolerance: 1e-6, off: [1e-12, 0.0] };
+        let known = cast::cast([a, b], &Closing::of(a, b), &limits);
         answered += usize::from(matches!(known, Some(Advance::Free | Advance::Near(..))));
         if let Some(Advance::Near(t, found)) = known {
             let (touch, gap) = touch_and_gap((&shape_a, &moving), (&shape_b, &still), t);
@@ -323,6 +324,65 @@ fn a_rotation_is_its_series_in_the_matrix_of_the_cross_product() {
             let (sin, cos) = libm::sincos(angle);
             let series = DMat3::IDENTITY + cross * sin + cross * cross * (1.0 - cos);
             assert_eq!(rotation_from_axis_angle(axis, angle), series, "{axis} {angle}");
+        }
+    }
+}
+
+#[test]
+fn what_has_no_end_and_overlaps_as_it_stands_is_hit_at_0() {
+    let ground = Shape::half_space(DVec3::Z, 0.0).unwrap();
+    let still = at(DVec3::ZERO);
+    let falling = RigidMotion { linear: -DVec3::Z, ..at(DVec3::Z * 0.5) };
+    let side = |motion| MovingShape { shape: &ground, motion };
+    for motions in [[&still, &still], [&falling, &still], [&still, &falling]] {
+        let found = time_of_impact(side(motions[0]), side(motions[1]), 10.0, 1e-6).unwrap();
+        assert!(matches!(found, Impact::Hit { t: 0.0, touches: true, .. }), "{found:?}");
+    }
+    // Two that face each other and come nearer touch at no time known.
+    let upside = Shape::half_space(-DVec3::Z, -1.0).unwrap();
+    let above = MovingShape { shape: &upside, motion: &still };
+    let found = time_of_impact(above, side(&still), 10.0, 1e-6).unwrap();
+    assert!(!matches!(found, Impact::Hit { .. }), "{found:?}");
+}
+
+#[test]
+fn at_a_hit_far_away_the_gap_is_within_the_tolerance_though_the_poses_are_rounded() {
+    let radii = [0.8372686230158296, 0.32824769929555153];
+    let [a, b] = radii.map(|radius| Shape::sphere(radius).unwrap());
+    let linear = DVec3::new(-0.29413191990663573, -0.9176586915653901, -0.9690766718938771);
+    let from = DVec3::new(7445.992473103491, -1683.5877388034596, 8807.131144970788);
+    let motion_a = RigidMotion { linear, ..at(from) };
+    let linear = DVec3::new(-0.293387267595119, -0.9178271006037109, -0.9681960132606151);
+    let motion_b = RigidMotion { linear, ..at(DVec3::ZERO) };
+    let a = MovingShape { shape: &a, motion: &motion_a };
+    let b = MovingShape { shape: &b, motion: &motion_b };
+    let tolerance = 1.165516322311381e-6;
+    match time_of_impact(a, b, 20_000_000.061177533, tolerance).unwrap() {
+        Impact::Hit { t, .. } => {
+            // Exact but for 1e-11: the way from one to the other is short.
+            let between = from + (motion_a.linear - motion_b.linear) * t;
+            let gap = between.length() - (radii[0] + radii[1]);
+            assert!(gap <= tolerance + 1e-11, "{gap:e}");
+        }
+        Impact::Undecided { .. } => {}
+        Impact::Free => panic!("they meet"),
+    }
+}
+
+#[test]
+fn a_late_end_does_not_leave_an_early_meeting_open() {
+    let ball = Shape::sphere(0.5).unwrap();
+    let cuboid = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let turning = RigidMotion { linear: DVec3::X, angular: DVec3::Z * 0.1, ..at(DVec3::X * -3.0) };
+    let straight = RigidMotion { angular: DVec3::ZERO, ..turning };
+    let still = at(DVec3::ZERO);
+    for (shape, motion) in [(&ball, &straight), (&cuboid, &straight), (&cuboid, &turning)] {
+        let a = MovingShape { shape, motion };
+        let b = MovingShape { shape: &ball, motion: &still };
+        for until in [10.0, 1e8, 1e100] {
+            let found = time_of_impact(a, b, until, 1e-6).unwrap();
+            let Impact::Hit { t, .. } = found else { panic!("{until:e} {found:?}") };
+            assert!(t > 1.7 && t < 2.1, "{until:e} {found:?}");
         }
     }
 }

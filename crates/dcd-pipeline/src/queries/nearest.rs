@@ -32,6 +32,8 @@ struct NearestSearch<'a> {
     test: &'a BoxDistance,
     filter: &'a QueryFilter<'a>,
     nearest: Option<NearestObject>,
+    /// Proved: nothing is nearer, of what has been measured.
+    lower: f64,
     /// What is farther is not the nearest, metres.
     end: f64,
 }
@@ -52,6 +54,7 @@ impl Search for NearestSearch<'_> {
         if is_first {
             self.nearest = Some(NearestObject { object, distance, lower, upper, point });
         }
+        self.lower = self.lower.min(lower);
         self.end = self.end.min(upper);
         distance == 0.0
     }
@@ -78,9 +81,12 @@ impl Queries<'_> {
             check_length("distance", max_distance)?;
         }
         let (test, end) = (&BoxDistance::new(point), max_distance);
-        let mut search = NearestSearch { queries: self, point, test, filter, nearest: None, end };
+        let (nearest, lower) = (None, f64::INFINITY);
+        let mut search = NearestSearch { queries: self, point, test, filter, nearest, lower, end };
         self.meet_nearest(test, &mut search);
-        Ok(search.nearest.filter(|found| found.lower <= max_distance))
+        let NearestSearch { nearest, lower, .. } = search;
+        let nearest = nearest.map(|found| NearestObject { lower, ..found });
+        Ok(nearest.filter(|found| found.lower <= max_distance))
     }
 
     /// Replaces `nearest` by the object nearest to each point, in the order of the points.

@@ -36,6 +36,8 @@ struct RayCast<'a> {
     slabs: &'a RaySlabs,
     filter: &'a QueryFilter<'a>,
     first: Option<ObjectHit>,
+    /// Proved: nothing is met before, of what has been looked at; a hit with a wide bracket may come after the first by its t.
+    lower: f64,
     /// What is met later is not the first.
     end: f64,
 }
@@ -43,10 +45,11 @@ struct RayCast<'a> {
 impl Search for RayCast<'_> {
     /// Casts the ray at an object. Returns whether the first hit known is where the ray begins.
     fn meet(&mut self, object: u32) -> bool {
-        let Self { queries, ray, filter, first, end, .. } = self;
+        let Self { queries, ray, filter, first, lower, end, .. } = self;
         if filter.sees(queries.scene, object) {
             for_each_hit(ray, PosedShape::of(queries.scene, object), *end, &mut |hit| {
                 let hit = ObjectHit { object, hit };
+                *lower = lower.min(hit.hit.t_lower);
                 if first.is_none_or(|known| hit.order(&known).is_lt()) {
                     *first = Some(hit);
                 }
@@ -74,9 +77,12 @@ impl Queries<'_> {
         let slabs = &ray.slabs();
         // Later than its end nothing can be first.
         let end = ray.max_t();
-        let mut search = RayCast { queries: self, ray, slabs, filter, first: None, end };
+        let (first, lower) = (None, f64::INFINITY);
+        let mut search = RayCast { queries: self, ray, slabs, filter, first, lower, end };
         self.meet_nearest(slabs, &mut search);
-        search.first
+        let RayCast { first, lower, .. } = search;
+        let at_least = |hit| RayHit { t_lower: lower, ..hit };
+        first.map(|found| ObjectHit { hit: at_least(found.hit), ..found })
     }
 
     /// Some object that the ray certainly meets, if any: sooner known than the first. The same at any number of

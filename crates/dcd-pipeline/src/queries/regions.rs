@@ -14,7 +14,7 @@ pub struct Found {
     /// Its index.
     pub object: u32,
     /// Whether it is proved to touch the region. If not, neither that nor the contrary is: only of foreign shapes,
-    /// cylinders and cones within the rounding of f64.
+    /// cylinders, cones and ellipsoids within the rounding of f64.
     pub is_certain: bool,
 }
 

@@ -85,7 +85,8 @@ impl LocalRay {
         let is_inside = outer.enter <= 0.0 && inner.is_none_or(|chord| chord.enter <= 0.0);
         let normal = if is_inside { DVec3::ZERO } else { self.in_world(outer.normal) };
         let facet = outer.facet.filter(|_| !is_inside);
-        let t = if is_inside { t_lower } else { t };
+        // Of what may be met, when it would be at the earliest: nothing later comes before it.
+        let t = if is_inside || !is_certain { t_lower } else { t };
         Some(RayHit { t, t_lower, t_upper, is_certain, normal, facet, part: None })
     }
 

@@ -138,7 +138,8 @@ impl Ray {
 /// The first point of a shape on a ray, or of a part of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// When, in lengths of the direction: within the bracket. 0 where the ray begins inside of what is solid.
+    /// When, in lengths of the direction: within the bracket, and at its beginning if the hit is not certain. 0 where the
+    /// ray begins inside of what is solid.
     pub t: f64,
     /// Proved: at no earlier time is a point of the shape on the ray.
     pub t_lower: f64,
@@ -146,7 +147,7 @@ pub struct RayHit {
     /// the ray may leave what it may have met.
     pub t_upper: f64,
     /// Whether the ray is proved to meet the shape. If not it comes so near, to within some 1e-13 of the distances
-    /// involved, that neither a hit nor a miss is proved: it grazes the shape, ends or begins at its surface, or passes
+    /// involved, of cones, ellipsoids and rounded shapes some 1e-10 of their reach, that neither a hit nor a miss is proved: it grazes the shape, ends or begins at its surface, or passes
     /// through what is infinitely thin.
     pub is_certain: bool,
     /// The surface's, outward, against the ray for a triangle; world axes, of unit length but for rounding. Zero where the
@@ -199,15 +200,16 @@ impl RayHit {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn first_hit(ray: &Ray, posed: PosedShape<'_>) -> Option<RayHit> {
-    let mut first: Option<RayHit> = None;
+    let (mut first, mut lower): (Option<RayHit>, f64) = (None, f64::INFINITY);
     for_each_hit(ray, posed, ray.max_t, &mut |hit| {
+        lower = lower.min(hit.t_lower);
         if first.is_none_or(|known| hit.is_before(&known)) {
             first = Some(hit);
         }
         // What begins after a hit's end is after it.
         first.filter(|hit| hit.is_certain).map_or(ray.max_t, |hit| hit.t_upper)
     });
-    first
+    first.map(|hit| RayHit { t_lower: lower, ..hit })
 }
 
 /// Calls `visit` for the hit of the shape, or of each part, in an order of its own, as far as it may be met at

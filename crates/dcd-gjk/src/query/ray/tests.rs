@@ -293,3 +293,27 @@ fn a_bad_ray_is_refused_with_its_value() {
     assert_eq!(Ray::new(DVec3::ZERO, DVec3::X, -1.0), Err(RayError::BadEnd { max_t: -1.0 }));
     assert!(Ray::new(DVec3::ZERO, DVec3::X, f64::NAN).is_err());
 }
+
+#[test]
+fn no_part_is_met_before_the_first_hit_though_another_is_surely_met() {
+    // In the plane of a face, from t = 1 on; a part that is surely met from 1.5 on.
+    let ray = Ray::endless(DVec3::Y, DVec3::X).unwrap();
+    let at = |x, y| Pose::from_translation(DVec3::new(x, y, 0.0)).unwrap();
+    let long = Shape::cuboid(DVec3::new(2.0, 1.0, 1.0)).unwrap();
+    let small = Shape::cuboid(DVec3::splat(0.25)).unwrap();
+    let compound = Shape::compound(vec![(long, at(3.0, 0.0)), (small, at(1.75, 1.0))]).unwrap();
+    let corners = [
+        [1.0, 1.0, -1.0],
+        [1.0, 1.0, 1.0],
+        [5.0, 1.0, 0.0],
+        [1.5, 0.0, -1.0],
+        [1.5, 0.0, 1.0],
+        [1.5, 3.0, 0.0],
+    ];
+    let corners = corners.map(DVec3::from_array).to_vec();
+    let mesh = Shape::mesh(corners, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
+    for shape in [&compound, &mesh] {
+        let hit = first_hit(&ray, PosedShape { shape, pose: &Pose::IDENTITY }).unwrap();
+        assert!(hit.t_lower <= 1.0 && hit.t <= 1.0 && !hit.is_certain, "{hit:?}");
+    }
+}

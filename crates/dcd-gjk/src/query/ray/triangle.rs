@@ -90,12 +90,13 @@ impl Sheared {
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let normal = if normal.dot(local.direction) > 0.0 { -normal } else { normal };
         let (t_lower, t_upper) = (first.max(0.0), last.min(ray.max_t()));
+        let is_certain = is_met && first >= 0.0 && last <= ray.max_t();
         Some(RayHit {
             // A corner at the origin may have −0.
-            t: t.clamp(t_lower, t_upper) + 0.0,
+            t: if is_certain { t.clamp(t_lower, t_upper) } else { t_lower } + 0.0,
             t_lower,
             t_upper,
-            is_certain: is_met && first >= 0.0 && last <= ray.max_t(),
+            is_certain,
             normal: local.in_world(normal),
             facet: None,
             part: None,

@@ -1,6 +1,7 @@
 //! Queries of a scene against every object on its own, at any number of threads, and what is refused.
 
 mod batches;
+mod brackets;
 mod changed;
 mod crowd;
 
