@@ -9,7 +9,7 @@ use std::path::Path;
 /// Which pairs of names, of links or obstacles, may touch: their contacts are not reported.
 ///
 /// Links that are tied rigidly are kept as bodies, so that what this takes grows with the number of
-/// links and not with that of their pairs.
+/// links and not with that of their pairs. An obstacle is of no body, whatever its name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AllowedPairs {
     /// Where two speak of a pair the later one counts.
@@ -51,9 +51,14 @@ impl AllowedPairs {
         }
     }
 
-    /// Forgets the pairs that are allowed by name and that this name is of.
+    /// Forgets the pairs that are allowed by name and that this name is of, and the body that it is in.
     pub(super) fn forget(&mut self, name: &str) {
         self.layers.iter_mut().for_each(|layer| layer.forget(name));
+    }
+
+    /// Takes a name out of the body that it is in.
+    pub(super) fn untie(&mut self, name: &str) {
+        self.layers.iter_mut().for_each(|layer| layer.untie(name));
     }
 
     /// Takes over what the other says, which counts where both speak of a pair.

@@ -33,7 +33,7 @@ pub struct World {
     pub joints: Vec<(String, f64)>,
     /// Where the robot's root stands, if the scene gives it.
     pub base: Option<Pose>,
-    /// What the robot carries.
+    /// What the robot carries; [`World::attach`] and [`World::detach`] keep [`World::allowed`] in step.
     pub attached: Vec<Attached>,
     /// Links that are larger to the world, by name.
     pub padding: BTreeMap<String, Padding>,
@@ -137,6 +137,8 @@ impl World {
     /// Lets a link carry an object, which may touch that link, what else the link carries, and whatever is named
     /// in `touch`. The pairs are added to [`World::allowed`].
     pub fn attach(&mut self, object: Attached, touch: impl IntoIterator<Item = impl AsRef<str>>) {
+        // What an earlier object of that name was carried with is elsewhere.
+        self.allowed.untie(&object.name);
         self.allowed.allow(&object.name, &object.link);
         touch.into_iter().for_each(|name| self.allowed.allow(&object.name, name.as_ref()));
         for other in self.attached.iter().filter(|other| other.link == object.link) {
@@ -145,8 +147,9 @@ impl World {
         self.attached.push(object);
     }
 
-    /// Takes what the robot carries under that name from it, with the pairs that it was allowed to touch by name
-    /// ([`World::allowed`]); `None`: it carries nothing of that name. [`Attached::obstacles`] puts it down.
+    /// Takes what the robot carries under that name from it, with the pairs that it was allowed to touch by name or as
+    /// a part of what its link carries ([`World::allowed`]; the scene's matrix stays); `None`: it carries nothing of that
+    /// name. [`Attached::obstacles`] puts it down.
     pub fn detach(&mut self, name: &str) -> Option<Attached> {
         let at = self.attached.iter().position(|attached| attached.name == name)?;
         self.allowed.forget(name);

@@ -49,8 +49,9 @@ impl Layer {
         self.pairs.insert([first.to_owned(), second.to_owned()], may);
     }
 
-    /// Forgets the pairs of a name that may touch.
+    /// Forgets the pairs of a name that may touch, and its body.
     pub(super) fn forget(&mut self, name: &str) {
+        self.untie(name);
         self.pairs.retain(|pair, may| !*may || pair.iter().all(|own| own != name));
     }
 
@@ -65,6 +66,11 @@ impl Layer {
     /// Puts a link in a body.
     pub(crate) fn tie(&mut self, link: &str, body: usize) {
         self.bodies.insert(link.to_owned(), body);
+    }
+
+    /// Takes a link out of its body.
+    pub(super) fn untie(&mut self, link: &str) {
+        self.bodies.remove(link);
     }
 
     /// What it says of a pair; none where it does not speak of it. What names both comes before what

@@ -1,3 +1,5 @@
+mod carried;
+
 use crate::{LinkShapes, PlanningScene, Robot, RobotError, Srdf, Workcell, World};
 use dcd_geom::{Pose, Shape};
 use dcd_pipeline::{Par, Pipeline};

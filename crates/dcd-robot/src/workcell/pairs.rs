@@ -63,7 +63,9 @@ impl<'a> Cell<'a, '_> {
         let mut by_pair = Vec::new();
         for (at, layer) in self.allowed.layers().iter().enumerate() {
             let mut bodies: BTreeMap<usize, Vec<&'a str>> = BTreeMap::new();
-            for &name in self.objects.keys() {
+            // What stands moves with no body, though something of its name may have.
+            let moving = self.objects.iter().filter(|(_, objects)| !self.stand(objects));
+            for (&name, _) in moving {
                 if let Some(body) = layer.body(name) {
                     bodies.entry(body).or_default().push(name);
                 }
@@ -110,6 +112,11 @@ impl<'a> Cell<'a, '_> {
         self.scene.ignore_among(&all).map_err(RobotError::Scene)
     }
 
+    /// Whether the objects of a name are obstacles.
+    fn stand(&self, objects: &[usize]) -> bool {
+        objects.iter().all(|k| self.obstacles.contains(k))
+    }
+
     /// Counts pairs of names that are looked up, whether they may touch or not.
     fn looked_up(&mut self, pairs: usize) -> Result<(), RobotError> {
         self.count = self.count.saturating_add(pairs);
@@ -122,8 +129,7 @@ impl<'a> Cell<'a, '_> {
         let (Some(of_a), Some(of_b)) = (self.objects.get(a), self.objects.get(b)) else {
             return Ok(());
         };
-        let stands = |objects: &[usize]| objects.iter().all(|k| self.obstacles.contains(k));
-        if a == b || (stands(of_a) && stands(of_b)) || !self.allowed.contains(a, b) {
+        if a == b || (self.stand(of_a) && self.stand(of_b)) || !self.allowed.contains(a, b) {
             return Ok(());
         }
         let pairs = of_a.len().saturating_mul(of_b.len());
