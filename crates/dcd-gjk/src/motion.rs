@@ -392,8 +392,9 @@ fn length(v: DVec3) -> f64 {
 /// What an underflow of squared lengths hides, metres, and more.
 const UNDERFLOW: f64 = 1e-150;
 
-/// Within which distance of the centre all points of the shape are, metres; its pose may stretch it a little. 0
-/// of what does not turn and has no end: only the bounds of a turning shape use it.
+/// Within which distance of the centre all points of the core are, metres; its pose may stretch it a little. 0
+/// of what does not turn and has no end: only the bounds of a turning shape use it. What is swept round the core is a ball,
+/// which turns into itself.
 fn radius(side: &MovingShape<'_>) -> f64 {
     let RigidMotion { start, centre, angular, .. } = side.motion;
     if !side.shape.is_bounded() && *angular == DVec3::ZERO {
@@ -403,11 +404,22 @@ fn radius(side: &MovingShape<'_>) -> f64 {
         // Where it counts, the farthest vertex itself.
         Some(polytope) if *angular != DVec3::ZERO && *centre != DVec3::ZERO => {
             let far = polytope.vertices().iter().map(|v| v.distance_squared(*centre));
-            far.fold(0.0, f64::max).sqrt() + polytope.swept_radius()
+            far.fold(0.0, f64::max).sqrt()
         }
-        _ => side.shape.reach() + length(*centre),
+        _ => core_reach(side.shape) + length(*centre),
     };
     own * (1.0 + start.deviation()) * (1.0 + 16.0 * U) + UNDERFLOW
+}
+
+/// How far the core of a shape reaches from the origin of its own frame, at most: metres.
+fn core_reach(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Polytope(polytope) => polytope.reach(),
+        Shape::Curved(curved) => curved.reach(),
+        Shape::Ellipsoid(ellipsoid) => ellipsoid.reach(),
+        Shape::Mesh(mesh) => mesh.reach(),
+        other => other.reach(),
+    }
 }
 
 mod advance;

@@ -386,3 +386,26 @@ fn a_late_end_does_not_leave_an_early_meeting_open() {
         }
     }
 }
+
+#[test]
+fn a_ball_that_spins_is_as_free_and_meets_as_soon_as_one_that_does_not() {
+    let ground = Shape::half_space(DVec3::Z, 0.0).unwrap();
+    let slab = Shape::cuboid(DVec3::new(5.0, 5.0, 0.5)).unwrap();
+    let still = at(DVec3::ZERO);
+    let below = at(DVec3::Z * -0.5);
+    let ball = Shape::sphere(0.5).unwrap();
+    for (floor, motion) in [(&ground, &still), (&slab, &below)] {
+        let floor = MovingShape { shape: floor, motion };
+        let meets = |linear: DVec3, spin: f64| {
+            let motion = RigidMotion { linear, angular: DVec3::X * spin, ..at(DVec3::Z * 0.51) };
+            time_of_impact(MovingShape { shape: &ball, motion: &motion }, floor, 1.0, 1e-6).unwrap()
+        };
+        assert_eq!(meets(DVec3::X, 1e4), Impact::Free);
+        let [Impact::Hit { t: plain, .. }, Impact::Hit { t: spinning, .. }] =
+            [0.0, 1e4].map(|spin| meets(-DVec3::Z, spin))
+        else {
+            panic!("no hit");
+        };
+        assert!((plain - 0.01).abs() < 2e-6 && (spinning - plain).abs() < 2e-6);
+    }
+}
