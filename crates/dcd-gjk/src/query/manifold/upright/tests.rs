@@ -92,7 +92,7 @@ fn boxes_of_a_grid_meet_in_faces_lines_and_corners() {
         let (found, due) = (sorted(&upright), sorted(&clipped));
         assert_eq!(found.len(), due.len(), "{k} {found:?} {due:?}");
         let mut mirrored = Manifold::default();
-        let mut found_mirrored = upright.clone();
+        let mut found_mirrored = upright;
         let measured =
             Depths.measure_at(Accuracy::Certified, sides[1], sides[0], &mut Default::default());
         let Verdict::Touching(depth) = measured else { panic!("{measured:?}") };
