@@ -143,7 +143,7 @@ pub fn obj(bytes: &[u8]) {
     let Ok(mesh) = read_obj(bytes) else { return };
     let count = mesh.vertices.len();
     assert!(mesh.faces.iter().flatten().all(|&corner| (corner as usize) < count));
-    // Vertices that no face names are no part of a mesh, and need not be kept.
+    // Of another order are vertices that no face names.
     let corners = |mesh: &RawMesh| -> Vec<[[u64; 3]; 3]> {
         let bits = |k: u32| mesh.vertices[k as usize].to_array().map(f64::to_bits);
         mesh.faces.iter().map(|face| face.map(bits)).collect()
@@ -151,6 +151,7 @@ pub fn obj(bytes: &[u8]) {
     if !mesh.faces.is_empty() {
         let again = read_obj(text_of(&mesh).as_bytes()).expect("what was written can be read");
         assert_eq!(corners(&again), corners(&mesh));
+        assert_eq!(again.vertices.len(), count);
     }
     assert_eq!(mesh.clone().into_shape().is_err(), mesh.faces.is_empty());
 }

@@ -19,7 +19,8 @@ pub use paths::{MeshNotFound, MeshPaths};
 pub use triangles::{MeshFormat, MeshOptions, MeshWarning, TriangleMesh, UpAxis};
 
 /// Reads the triangles of a Wavefront OBJ file: all of its objects as one mesh, faces of more
-/// corners cut into fans. Points and lines are passed over, and materials are not looked for.
+/// corners cut into fans. Every vertex is kept, those that no face names behind the others. Points and
+/// lines are passed over, and materials are not looked for.
 ///
 /// # Errors
 /// Text that is no OBJ, a number that is not finite, a face with a corner that is no vertex. Names may be in any encoding whose
@@ -50,11 +51,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<RawMesh, ReadError> {
         let faces = corners.iter().map(|&face: &[u32; 3]| face.map(|k| k.saturating_add(first)));
         frame.faces.extend(faces);
     }
-    for (index, vertex) in frame.vertices.iter().enumerate() {
-        if let Some(&value) = vertex.to_array().iter().find(|x| !x.is_finite()) {
-            return Err(ReadError::NotFinite { what: "vertex", index, value });
-        }
-    }
+    frame.vertices.extend(loose_vertices(text)?);
     frame.check_corners()?;
     Ok(frame)
 }
@@ -104,6 +101,52 @@ fn check_indices(text: &[u8]) -> Result<(), ReadError> {
         }
     }
     Ok(())
+}
+
+/// The vertices that are no triangle's corner, in the file's order: the library leaves them out. Refuses any
+/// vertex that is not finite. The text is one that the library has read.
+fn loose_vertices(text: &[u8]) -> Result<Vec<DVec3>, ReadError> {
+    let (mut vertices, mut named) = (Vec::new(), Vec::new());
+    for (index, line) in text.split(|&byte| byte == b'\n').enumerate() {
+        let text = String::from_utf8_lossy(line);
+        let mut words = text.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                let vertex = vertex(words);
+                if !vertex.is_finite() {
+                    let message = format!("line {}: a vertex that is not finite", index + 1);
+                    return Err(ReadError::Obj { message });
+                }
+                vertices.push(vertex);
+            }
+            // Of fewer corners it is no face.
+            Some("f") if words.clone().nth(2).is_some() => {
+                let corners = words.filter_map(|corner| corner.split('/').next()?.parse().ok());
+                named.extend(
+                    corners.map(|k: i64| if k < 0 { vertices.len() as i64 + k } else { k - 1 }),
+                );
+            }
+            _ => {}
+        }
+    }
+    let mut is_loose = vec![true; vertices.len()];
+    for k in named {
+        if let Some(is_loose) = usize::try_from(k).ok().and_then(|k| is_loose.get_mut(k)) {
+            *is_loose = false;
+        }
+    }
+    let loose = vertices.into_iter().zip(is_loose).filter(|(_, is_loose)| *is_loose);
+    Ok(loose.map(|(vertex, _)| vertex).collect())
+}
+
+/// Three coordinates, or four where the last divides the others, as the library has it; colours may follow three.
+fn vertex<'a>(words: impl Iterator<Item = &'a str>) -> DVec3 {
+    let numbers: Vec<f64> = words.map(|word| word.parse().unwrap_or(f64::NAN)).collect();
+    match numbers[..] {
+        [x, y, z, w] => DVec3::new(x, y, z) / w,
+        [x, y, z, ..] => DVec3::new(x, y, z),
+        _ => DVec3::NAN,
+    }
 }
 
 /// The text with its lines of points made comments: the library takes those of three and more points for
@@ -185,6 +228,23 @@ mod tests {
     }
 
     #[test]
+    fn vertices_that_no_face_names_are_kept_behind_the_others() {
+        let text = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 9\nf 1 2 3\no b\nv 0 0 -9\nf 1 2 -1\n\
+            v 7 7 7\nf 1 6\nl 1 4 6\nv 4 2 2 2\n";
+        let mesh = read_obj(text.as_bytes()).unwrap();
+        let corners = |face: usize| mesh.faces[face].map(|k| mesh.vertices[k as usize]);
+        let x = DVec3::X;
+        assert_eq!(corners(0), [DVec3::ZERO, x, DVec3::Y]);
+        assert_eq!(corners(1), [DVec3::ZERO, x, DVec3::new(0.0, 0.0, -9.0)]);
+        assert_eq!(mesh.faces.len(), 2);
+        // Each object has the vertices that its faces name.
+        let loose = [DVec3::new(0.0, 0.0, 9.0), DVec3::splat(7.0), DVec3::new(2.0, 1.0, 1.0)];
+        assert_eq!(mesh.vertices[6..], loose);
+        let early = read_obj(b"f 2 3/1 4//\nv 5 5 5\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").unwrap();
+        assert_eq!(early.vertices, [DVec3::ZERO, x, DVec3::Y, DVec3::splat(5.0)]);
+    }
+
+    #[test]
     fn a_line_of_three_points_is_no_face() {
         let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nf 1 2 3\n";
         let plain = read_obj(text.as_bytes()).unwrap();
@@ -208,8 +268,14 @@ mod tests {
         assert!(corner.to_string().contains("bounds"), "{corner}");
         let word = read_obj(b"v 0 0 zero\n").unwrap_err();
         assert!(matches!(word, ReadError::Obj { .. }), "{word}");
-        let nan = read_obj(b"v 0 0 0\nv 0 nan 0\nv 1 1 1\nf 1 2 3\n").unwrap_err();
-        assert!(matches!(nan, ReadError::NotFinite { index: 1, .. }), "{nan}");
+        for vertex in ["0 nan 0", "0 0 inf", "1e999 0 0"] {
+            let named = format!("v 0 0 0\nv {vertex}\nv 1 1 1\nf 1 2 3\n");
+            let loose = format!("v 0 0 0\nv {vertex}\nv 1 1 1\nv 0 0 1\nf 1 3 4\n");
+            for text in [named, loose] {
+                let refused = read_obj(text.as_bytes()).unwrap_err().to_string();
+                assert!(refused.contains("line 2: a vertex that is not finite"), "{refused}");
+            }
+        }
         assert!(read_obj(b"").unwrap().into_shape().is_err());
     }
 }

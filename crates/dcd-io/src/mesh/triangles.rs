@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 /// The triangles of a mesh file, metres.
 ///
 /// Each triangle of the file is there, also one that is degenerate or occurs twice. Each vertex is
-/// the corner of a triangle, but for OBJ and PLY, whose vertices are kept as they are.
+/// the corner of a triangle, but for OBJ and PLY, of which all vertices are kept: OBJ's that no face
+/// names stand behind the others.
 ///
 /// ```
 /// use dcd_io::{MeshFormat, MeshOptions, TriangleMesh};
