@@ -30,7 +30,8 @@ use std::path::{Path, PathBuf};
 const DETAILS: &str = "\
 Each mesh of the URDF's collision geometry (STL, COLLADA, OBJ, glTF, binary PLY) is taken as the \
 hull of its vertices, or as --links and --links-of say. Without an SRDF, links that a \
-joint joins and links that are rigidly tied may touch. Joints that are fixed in the URDF stay as \
+joint joins and links that are rigidly tied may touch; links without a shape are passed over, \
+so that each link may touch the nearest one above it that has a shape. Joints that are fixed in the URDF stay as \
 they are, whatever a request says.
 
 A world is a scene of MoveIt as YAML, as ROS or Robowflex write it. Used are: boxes, spheres, \
