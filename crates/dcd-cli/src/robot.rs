@@ -58,7 +58,8 @@ opened, no texture and no visual mesh.
 
 Limits, each refused beyond: 64 MiB a file; of XML 2,000,000 elements, 64 nested, 64 attributes an \
 element, 64 namespaces; of YAML 4,000,000 nodes, 64 nested, 10,000 aliases; of a robot 10,000 mesh \
-files of 2 GiB each, 16,777,216 vertices; of a COLLADA or glTF file 4,194,304 triangles; of a \
+files of 2 GiB each, 16,777,216 vertices; of a COLLADA or glTF file 4,194,304 triangles; of COLLADA \
+64 attributes an element, 1,024 namespaces; of a \
 package search 10,000 folders, 4 nested, in each folder of ROS_PACKAGE_PATH, and 1 MiB a \
 package.xml; 8,388,608 pairs of shapes that may touch (rigid bodies do not count); with \
 --all-problems 4,096 shapes of a robot.

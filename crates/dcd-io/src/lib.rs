@@ -26,6 +26,8 @@ mod ply;
 mod raw;
 pub mod run;
 mod swept;
+#[cfg(feature = "meshes")]
+mod xml_bounds;
 
 #[cfg(all(doctest, feature = "meshes"))]
 #[doc = include_str!("../../../docs/meshes.md")]
@@ -52,3 +54,5 @@ pub use pairs::{PairError, PairFault, PairInput, read_pair, read_pairs};
 pub use ply::{RawMesh, load_ply, read_ply};
 pub use raw::{BuildError, RawObject, RawScene, RawShape, RawShare};
 pub use swept::{SweptBoxes, load_listed_pairs, read_listed_pairs};
+#[cfg(feature = "meshes")]
+pub use xml_bounds::{XmlBounds, XmlTooLarge};

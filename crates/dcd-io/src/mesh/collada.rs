@@ -14,6 +14,7 @@ mod tests;
 
 use super::triangles::Assembly;
 use super::{MeshError, MeshWarning, TriangleMesh, UpAxis};
+use crate::XmlBounds;
 use glam::{DAffine3, DMat3, DVec3};
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
@@ -27,11 +28,18 @@ const DEEPEST: usize = 256;
 /// More nodes and elements in them than this are refused: instances of instances multiply.
 const MAX_VISITS: usize = 1 << 20;
 
+/// What takes the parser more than time linear in the text's length. Some tools declare the namespace of a
+/// formula wherever one stands; elements, at any depth, take linear time.
+const BOUNDS: XmlBounds =
+    XmlBounds { elements: usize::MAX, nesting: usize::MAX, attributes: 64, namespaces: 1024 };
+
 /// Reads the triangles of every geometry of the scene, moved as its nodes say, metres.
 pub(super) fn read(bytes: &[u8], up_axis: UpAxis) -> Result<TriangleMesh, MeshError> {
     // Ids and names alone may be other than ASCII.
     let text = String::from_utf8_lossy(bytes);
-    let document = Document::parse(text.trim_start_matches('\u{feff}')).map_err(xml::malformed)?;
+    let text = text.trim_start_matches('\u{feff}');
+    BOUNDS.check(text).map_err(xml::too_large)?;
+    let document = Document::parse(text).map_err(xml::malformed)?;
     let root = document.root_element();
     if root.tag_name().name() != "COLLADA" {
         return Err(refused(root, "the root of a COLLADA file is <COLLADA>"));

@@ -402,3 +402,17 @@ fn entities_of_a_document_type_are_refused() {
     let text = file("", "").replacen("?>\n", "?>\n<!DOCTYPE COLLADA [<!ENTITY a \"b\">]>\n", 1);
     assert!(read_file(&text).is_err());
 }
+
+#[test]
+fn attributes_without_end_are_refused_with_their_line() {
+    let text = |count: usize| {
+        let attributes: String = (0..count).map(|k| format!(" a{k}=\"\"")).collect();
+        file("", &format!("<node{attributes}>{SHOWN}</node>"))
+    };
+    assert!(read_file(&text(64)).is_ok());
+    let error = read_file(&text(65)).unwrap_err().to_string();
+    assert_eq!(error, "COLLADA, line 14: more than 64 attributes of an element");
+    let declared = format!("<extra>{}</extra>", "<a xmlns=\"u\"/>".repeat(1024));
+    let error = read_file(&file(&declared, "")).unwrap_err().to_string();
+    assert!(error.contains("more than 1024 namespace declarations"), "{error}");
+}

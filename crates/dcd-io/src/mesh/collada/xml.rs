@@ -1,6 +1,7 @@
 //! Elements of a COLLADA file: their numbers, and what they refer to.
 
 use super::super::{MeshError, MeshFormat, MeshPlace};
+use crate::XmlTooLarge;
 use roxmltree::{Document, Node};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -17,6 +18,12 @@ pub(super) fn refused(node: Node<'_, '_>, problem: impl Into<String>) -> MeshErr
 pub(super) fn malformed(error: roxmltree::Error) -> MeshError {
     let place = MeshPlace::Line(error.pos().row as usize);
     MeshError::refused(MeshFormat::Collada, place, error.to_string())
+}
+
+/// A refusal of a text that has too much of something.
+pub(super) fn too_large(XmlTooLarge { what, limit, line }: XmlTooLarge) -> MeshError {
+    let problem = format!("more than {limit} {what}");
+    MeshError::refused(MeshFormat::Collada, MeshPlace::Line(line), problem)
 }
 
 /// The elements inside.
