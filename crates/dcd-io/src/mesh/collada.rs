@@ -57,6 +57,10 @@ pub(super) fn read(bytes: &[u8], up_axis: UpAxis) -> Result<TriangleMesh, MeshEr
     }
     let to_ros = DAffine3::from_mat3(turn * DMat3::from_diagonal(DVec3::splat(asset.metres)));
     walk.nodes_below(scene(root, &ids)?, to_ros)?;
+    let count = animations(root);
+    if count > 0 {
+        walk.whole.mesh.warnings.push(MeshWarning::Animations { count });
+    }
     if walk.lines > 0 {
         walk.whole.mesh.warnings.push(MeshWarning::Lines { count: walk.lines });
     }
@@ -125,6 +129,13 @@ impl Asset {
             _ => DMat3::IDENTITY,
         }
     }
+}
+
+/// How many animations say how something moves.
+fn animations(root: Node<'_, '_>) -> usize {
+    let libraries = own(root, "library_animations").flat_map(|library| library.descendants());
+    let said = libraries.filter(|node| node.tag_name().name() == "animation");
+    said.filter(|animation| own(*animation, "channel").next().is_some()).count()
 }
 
 /// The visual scene that the file instantiates.

@@ -51,6 +51,10 @@ pub(super) fn read(bytes: &[u8], options: &MeshOptions) -> Result<TriangleMesh, 
     if !names.is_empty() {
         walk.whole.mesh.warnings.push(MeshWarning::Extensions { names });
     }
+    let count = document.animations().count();
+    if count > 0 {
+        walk.whole.mesh.warnings.push(MeshWarning::Animations { count });
+    }
     let turn = match options.up_axis {
         UpAxis::Ros => DMat3::IDENTITY,
         UpAxis::File => DMat3::from_cols(DVec3::X, DVec3::Z, -DVec3::Y),

@@ -61,6 +61,11 @@ pub enum MeshWarning {
         /// How many.
         bytes: usize,
     },
+    /// Animations were not played: nodes are where they stand without them.
+    Animations {
+        /// How many.
+        count: usize,
+    },
     /// Extensions that the file uses and does not require were passed over, but for those of looks.
     Extensions {
         /// Their names.
@@ -239,6 +244,9 @@ impl fmt::Display for MeshWarning {
             }
             Self::Behind { bytes } => {
                 write!(f, "{bytes} bytes behind the last triangle are passed over")
+            }
+            Self::Animations { count } => {
+                write!(f, "{count} animations are not played; nodes are taken as they stand")
             }
             Self::Extensions { names } => {
                 write!(f, "what extensions say is passed over: {}", names.join(", "))

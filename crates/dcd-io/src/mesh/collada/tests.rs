@@ -416,3 +416,15 @@ fn attributes_without_end_are_refused_with_their_line() {
     let error = read_file(&file(&declared, "")).unwrap_err().to_string();
     assert!(error.contains("more than 1024 namespace declarations"), "{error}");
 }
+
+#[test]
+fn animations_are_named_and_not_played() {
+    let moved = "<animation><channel source=\"#s\" target=\"n/t\"/></animation>";
+    let library =
+        format!("<library_animations><animation>{moved}{moved}</animation></library_animations>");
+    let node = format!("<node>{SHOWN}</node>");
+    let mesh = read_file(&file(&library, &node)).unwrap();
+    assert_eq!(mesh.warnings, [MeshWarning::Animations { count: 2 }]);
+    let still = read_file(&file("<library_animations/>", &node)).unwrap();
+    assert_eq!((still.warnings, still.vertices), (vec![], mesh.vertices));
+}

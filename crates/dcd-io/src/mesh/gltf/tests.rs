@@ -223,6 +223,19 @@ fn an_extension_that_is_no_look_is_named() {
 }
 
 #[test]
+fn animations_are_named_and_not_played() {
+    let mut file = file(json!([{"mesh": 0, "translation": [1, 2, 3]}]), json!([0]));
+    let still = read_json(&file).unwrap();
+    file["animations"] = json!([{
+        "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+        "samplers": [{"input": 1, "output": 0}]
+    }]);
+    let mesh = read_json(&file).unwrap();
+    assert!(mesh.warnings.contains(&MeshWarning::Animations { count: 1 }));
+    assert_eq!(mesh.vertices, still.vertices);
+}
+
+#[test]
 fn counts_and_offsets_beyond_the_buffer_are_refused_before_anything_is_allocated() {
     let huge = json!(u64::MAX);
     for (path, value) in [
