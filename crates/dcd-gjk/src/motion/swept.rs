@@ -2,7 +2,7 @@
 
 use super::{MovingShape, U, radius};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Aabb, Shape};
+use dcd_geom::{Aabb, Shape, SupportMap};
 
 /// What the corners of such a box lose. Unit: u, of the lengths that go into it.
 const ROUNDING: f64 = 128.0;
@@ -17,12 +17,14 @@ impl MovingShape<'_> {
         }
         let motion = self.motion;
         let aabb = self.shape.aabb(&motion.start);
+        // Of the core, and with what is swept round it.
         let radius = radius(self);
+        let whole = (radius + SupportMap::<f64>::radius(self.shape)).next_up();
         let centre = motion.start.apply(motion.centre);
         let way = (motion.linear.abs() * until).max_element();
         let turn = motion.angular.length() * until;
         let sizes = motion.start.translation().abs().max_element()
-            + radius
+            + whole
             + way
             + centre.abs().max_element();
         let off = ROUNDING * U * (sizes + 2.0 * motion.centre.length() * (1.0 + turn));
@@ -32,7 +34,7 @@ impl MovingShape<'_> {
         let [low, high] = if motion.angular == DVec3::ZERO {
             [low, high]
         } else {
-            [low.max(centre - radius), high.min(centre + radius)]
+            [low.max(centre - whole), high.min(centre + whole)]
         };
         Some([low - off, high + off])
     }
