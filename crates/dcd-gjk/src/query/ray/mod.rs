@@ -147,8 +147,8 @@ pub struct RayHit {
     /// the ray may leave what it may have met.
     pub t_upper: f64,
     /// Whether the ray is proved to meet the shape. If not it comes so near, to within some 1e-13 of the distances
-    /// involved, of cones, ellipsoids and rounded shapes some 1e-10 of their reach, that neither a hit nor a miss is proved: it grazes the shape, ends or begins at its surface, or passes
-    /// through what is infinitely thin.
+    /// involved, of cones, ellipsoids and rounded shapes some 1e-10 of their reach, that neither a hit nor a miss is
+    /// proved: it grazes the shape, ends or begins at its surface, or passes through what is infinitely thin.
     pub is_certain: bool,
     /// The surface's, outward, against the ray for a triangle; world axes, of unit length but for rounding. Zero where the
     /// ray begins inside.
