@@ -81,6 +81,23 @@ impl Aabb16 {
         }
         depth
     }
+
+    /// At most how far each of the sixteen is from that AABB, in their unit: less than three millionths of it less. Infinite of
+    /// an empty AABB.
+    #[inline(always)]
+    pub fn gaps<L: Lanes>(&self, l: L, one: &Aabb) -> L::F {
+        let (min, max) = (one.min.to_array(), one.max.to_array());
+        let zero = l.splat(0.0);
+        let mut square = zero;
+        for axis in 0..3 {
+            let before = l.sub(l.splat(min[axis]), l.load(&self.max[axis]));
+            let after = l.sub(l.load(&self.min[axis]), l.splat(max[axis]));
+            let along = l.max(zero, l.max(before, after));
+            square = l.mul_add(along, along, square);
+        }
+        // Differences, squares, sums and the root lose 5u of f32 at most, this product one.
+        l.mul(l.sqrt(square), l.splat(1.0 - 16.0 * f32::EPSILON))
+    }
 }
 
 /// The least of a row, by halves: each comparison waits for three others instead of fifteen.

@@ -1,7 +1,6 @@
 //! Both trees at once, sixteen boxes against one at a time.
 
 use super::body::{Body, Proved};
-use super::distance::gap;
 use super::pair::Resolved;
 use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
@@ -231,7 +230,7 @@ impl Descent<'_, '_> {
         if let (Some(tree), Some(middle)) = (self.a.tree(), middle) {
             let centre = middle.as_vec3();
             let centre = Aabb { min: centre, max: centre };
-            l.store(gap(l, &tree.blocks()[block_a as usize], &centre), &mut gaps);
+            l.store(tree.blocks()[block_a as usize].gaps(l, &centre), &mut gaps);
         }
         while let Some(child) = Bits(met).max_by(|&j, &k| gaps.0[j].total_cmp(&gaps.0[k])) {
             met &= !(1 << child);

@@ -10,7 +10,6 @@ use crate::Method;
 use crate::distance::{Distance, DistanceResult, distance_at as of_convex, in_f64};
 use crate::query::{Accuracy, may_be_nearest};
 use crate::{PosedShape, Reason, closed};
-use dcd_geom::{Aabb, Aabb16};
 use dcd_simd::{Kernel, Lanes, Row, WIDTH, dispatch};
 use std::cmp::Ordering;
 
@@ -87,6 +86,25 @@ pub(crate) fn distance_at(
     }
     let (result, method) = best.answer();
     (if swapped { result.mirrored() } else { result }, method)
+}
+
+/// The distance of two shapes that is that of one of these pairs of parts, by index, measured at an accuracy.
+///
+/// (a, b) and (b, a) give the same bits, mirrored, for the same pairs.
+pub(crate) fn distance_of_nearest(
+    accuracy: Accuracy,
+    [a, b]: [PosedShape<'_>; 2],
+    parts: &mut [[u32; 2]],
+) -> DistanceResult {
+    let ([first, second], swapped) = in_order(a, b);
+    if swapped {
+        parts.iter_mut().for_each(|pair| pair.swap(0, 1));
+    }
+    parts.sort_unstable();
+    let mut best = Best::at(accuracy);
+    best.measure_all([&first, &second], parts.iter().copied());
+    let (result, _) = best.answer();
+    if swapped { result.mirrored() } else { result }
 }
 
 /// The pairs of a triangle of a mesh and a half-space of which one is the nearest, by index; `None` of other shapes.
@@ -279,7 +297,7 @@ impl NearestParts<'_> {
                 continue;
             }
             let mut gaps = Row::default();
-            l.store(l.mul(gap(l, boxes, &one), shrink), &mut gaps);
+            l.store(l.mul(boxes.gaps(l, &one), shrink), &mut gaps);
             let mut nearest = f32::INFINITY;
             for lane_a in 0..WIDTH {
                 let lower = gaps.0[lane_a];
@@ -311,19 +329,4 @@ impl NearestParts<'_> {
             self.scratch.open.push(Open { lower, what });
         }
     }
-}
-
-/// How far sixteen boxes are from one; infinite for boxes of nothing.
-#[inline(always)]
-pub(super) fn gap<L: Lanes>(l: L, boxes: &Aabb16, one: &Aabb) -> L::F {
-    let (min, max) = (one.min.to_array(), one.max.to_array());
-    let zero = l.splat(0.0);
-    let mut square = zero;
-    for axis in 0..3 {
-        let before = l.sub(l.splat(min[axis]), l.load(&boxes.max[axis]));
-        let after = l.sub(l.load(&boxes.min[axis]), l.splat(max[axis]));
-        let along = l.max(zero, l.max(before, after));
-        square = l.mul_add(along, along, square);
-    }
-    l.sqrt(square)
 }

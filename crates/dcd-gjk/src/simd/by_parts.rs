@@ -46,19 +46,20 @@ struct Doubt {
     axes: [Vec3; 2],
 }
 
-/// Resolves these of a slice's pairs, all with parts, and writes which touch.
+/// Resolves the pairs of a slice with these numbers, all with parts, and writes which touch.
 pub(super) fn judge(
     slice: &Slice<'_>,
-    mut left: &[Left],
+    mut numbers: &[u32],
     lanes: &mut decide::Scratch,
     (touching, report): (&mut [bool], &mut Report),
 ) {
     let mut scratch = std::mem::take(&mut lanes.by_parts);
     let (frames, pairs) = (slice.frames(), slice.pairs);
-    while !left.is_empty() {
+    while !numbers.is_empty() {
         let queue = &mut scratch.queue;
-        let taken = dispatch_on(slice.path, Expand { frames, pairs, left, queue });
-        left = &left[taken..];
+        let expand = Expand { frames, pairs, numbers, margin: None, queue };
+        let taken = dispatch_on(slice.path, expand);
+        numbers = &numbers[taken..];
         slice.answer(&mut scratch, lanes);
         report.count(Method::Portal, scratch.queue.apart);
         for (question, known) in scratch.queue.questions.iter().zip(&scratch.known) {
@@ -123,7 +124,11 @@ impl Slice<'_> {
 }
 
 /// An object's part by its record, its index and the part itself; or the object, which is its own.
-fn part(side: Prepared<'_, SimdFrame>, object: u32, record: u32) -> (u32, PosedShape<'_>) {
+pub(super) fn part(
+    side: Prepared<'_, SimdFrame>,
+    object: u32,
+    record: u32,
+) -> (u32, PosedShape<'_>) {
     let whole = PosedShape::of(side.scene, object);
     let part = side.frame.place_of(object, record).and_then(|place| {
         let cores = side.frame.cores();

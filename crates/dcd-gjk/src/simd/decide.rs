@@ -69,8 +69,8 @@ pub struct Scratch {
     pub(super) touching_parts: TouchingParts,
     /// For those of them whose parts the lanes know.
     pub(super) by_parts: by_parts::Scratch,
-    /// The pairs of these.
-    with_parts: Vec<Left>,
+    /// The numbers of the pairs of these.
+    with_parts: Vec<u32>,
 }
 
 impl Scratch {
@@ -166,7 +166,7 @@ impl<'a> Slice<'a> {
         let has_parts =
             |left: &mut Left| expand::has_parts(frames, self.pairs[left.number as usize]);
         with_parts.clear();
-        with_parts.extend(scratch.left.extract_if(.., has_parts));
+        with_parts.extend(scratch.left.extract_if(.., has_parts).map(|left| left.number));
         let mut touching = std::mem::take(&mut scratch.touching);
         by_parts::judge(self, &with_parts, scratch, (&mut touching, report));
         (scratch.touching, scratch.with_parts) = (touching, with_parts);

@@ -1,5 +1,6 @@
 //! How far apart pairs are: the nearest vertices sixteen pairs at a time in f32, and what the accuracy makes of them.
 
+mod by_parts;
 mod of_points;
 mod sorted;
 
@@ -18,7 +19,7 @@ use crate::query::{
 };
 use crate::{
     Accuracy, Contact, ContactList, ContactSink, Distance, Method, NarrowPhase, PosedShape,
-    PosedSupport, Prepared, Report, Sides, Verdict, certified,
+    PosedSupport, Prepared, Report, Sides, Verdict, certified, mesh,
 };
 use dcd_geom::{Aabb, Pair, Scene, ShapeError};
 use dcd_simd::Path;
@@ -33,8 +34,8 @@ use std::slice;
 /// vertices, of cuboids the nearest faces, edges or corners. At [`Accuracy::F32`] spheres and capsules, with each other and
 /// with cuboids, are evaluated once in f64, with its bound. Of others the distance is that of the points there, of vertices
 /// in f32 unless the shapes are close, and the bound is what the lanes prove from below: some millionths of the pair's
-/// size. At the other accuracies the search goes on from them in f64 or longer numbers, with the bounds of these. Shapes
-/// without a lane kernel, sizes outside f32's range, and pairs whose bound is too wide are measured one pair at a time.
+/// size. At the other accuracies the search goes on from them in f64 or longer numbers, with the bounds of these. Compounds
+/// are as far apart as their nearest parts, which the lanes look for. Shapes without a lane kernel, sizes outside f32's range, and pairs whose bound is too wide are measured one pair at a time.
 ///
 /// Whether a pair with a distance within its bound of the margin is reported is decided exactly, of radii that are each grown by
 /// half of the margin and rounded to f64. The same bits on every path and at any number of threads, whatever the other
@@ -166,7 +167,7 @@ impl SimdDistances {
     #[inline(always)]
     fn by_found(
         &self,
-        found: Measured,
+        found: Measured<'_>,
         spheres: Option<[PlacedSphere; 2]>,
         (objects, pair): (ScenePairs<'_>, Pair),
     ) -> Verdict<Option<Distance>> {
@@ -174,6 +175,7 @@ impl SimdDistances {
         match found {
             Measured::Searched(nearest) => self.by_search(nearest, (objects.frames, pair), sides),
             Measured::Cuboids(features) => self.by_features(features, objects.frames, pair, sides),
+            Measured::Parts(found, candidates) => self.by_parts(found, candidates, sides),
             Measured::Formula => self.by_formula(sides),
             Measured::Centres => self.by_bounds_of_centres(spheres, sides),
         }
@@ -203,6 +205,23 @@ impl SimdDistances {
             Some(found) => within_margin(DistanceResult::Apart(found), self.margin, a, b),
             None => self.alone(a, b).0,
         }
+    }
+
+    /// Two that are apart, one of them a compound, by what the lanes found of their parts.
+    fn by_parts(
+        &self,
+        found: by_parts::Found,
+        candidates: &[[u32; 2]],
+        [a, b]: [PosedShape<'_>; 2],
+    ) -> Verdict<Option<Distance>> {
+        let found = match found {
+            by_parts::Found::Beyond => return Verdict::Apart,
+            by_parts::Found::Near(found) => DistanceResult::Apart(found),
+            by_parts::Found::Among(range) => {
+                mesh::distance_of_nearest(self.accuracy, [a, b], &mut candidates[range].to_vec())
+            }
+        };
+        within_margin(found, self.margin, a, b)
     }
 
     /// A pair that is apart of which one evaluation in f64 says how far.
@@ -337,6 +356,7 @@ impl NarrowPhase for SimdDistances {
         sink.report.absorb(report);
         sorted.sort(self.path, frames, (yes, pairs, self.margin, self.accuracy));
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs };
+        sorted.by_parts.find(self.path, objects, (self.margin, self.accuracy));
         let mut found = InOrder::of(sorted, objects);
         for &number in &sorted.read {
             let (pair, kind) = (pairs[number as usize], sorted.kinds[number as usize]);
@@ -370,10 +390,12 @@ impl NarrowPhase for SimdDistances {
 }
 
 /// What the lanes found of a pair, or how it is measured.
-#[derive(Clone, Copy)]
-enum Measured {
+#[derive(Clone)]
+enum Measured<'a> {
     Searched(Found),
     Cuboids(of_cuboids::Found),
+    /// And the pairs of parts that may be the nearest.
+    Parts(by_parts::Found, &'a [[u32; 2]]),
     Formula,
     Centres,
 }
@@ -383,6 +405,8 @@ struct InOrder<'a> {
     searched: &'a Searched,
     near: Range<usize>,
     of_cuboids: slice::Iter<'a, of_cuboids::Found>,
+    by_parts: slice::Iter<'a, by_parts::Found>,
+    candidates: &'a [[u32; 2]],
     formulas: Range<usize>,
     /// The pairs that were searched, and those with a formula.
     objects: [ScenePairs<'a>; 2],
@@ -390,11 +414,13 @@ struct InOrder<'a> {
 
 impl<'a> InOrder<'a> {
     fn of(sorted: &'a Sorted, objects: ScenePairs<'a>) -> Self {
-        let Sorted { formulas, searched, of_cuboids, .. } = sorted;
+        let Sorted { formulas, searched, of_cuboids, by_parts, .. } = sorted;
         Self {
             searched,
             near: 0..searched.near.len(),
             of_cuboids: of_cuboids.found.iter(),
+            by_parts: by_parts.found.iter(),
+            candidates: &by_parts.candidates,
             formulas: 0..formulas.len(),
             objects: [&searched.measured, formulas].map(|pairs| ScenePairs { pairs, ..objects }),
         }
@@ -402,7 +428,7 @@ impl<'a> InOrder<'a> {
 
     /// Of the next pair, of that kind and number.
     #[inline(always)]
-    fn next(&mut self, narrow: &SimdDistances, kind: Kind, number: u32) -> Measured {
+    fn next(&mut self, narrow: &SimdDistances, kind: Kind, number: u32) -> Measured<'a> {
         let [searched, with_formula] = self.objects;
         match kind {
             Kind::Cuboids => Measured::Cuboids(self.of_cuboids.next().copied().unwrap_or_default()),
@@ -416,6 +442,9 @@ impl<'a> InOrder<'a> {
             Kind::Formula => {
                 with_formula.look_ahead_to_ends(self.formulas.next().unwrap_or_default());
                 Measured::Formula
+            }
+            Kind::Parts => {
+                Measured::Parts(self.by_parts.next().cloned().unwrap_or_default(), self.candidates)
             }
             Kind::Touching | Kind::Spheres | Kind::Beyond => Measured::Centres,
         }

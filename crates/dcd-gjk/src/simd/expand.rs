@@ -1,8 +1,7 @@
-//! A pair of compounds as pairs of their parts: those whose boxes overlap, the likeliest apart from
-//! the others.
+//! A pair of compounds as pairs of their parts: those whose boxes overlap or are within a margin, the likeliest to touch
+//! apart from the others.
 
 use super::compounds::Members;
-use super::decide::Left;
 use super::frame::{FramePair, SimdFrame};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Aabb16, Pair};
@@ -21,11 +20,13 @@ pub(super) struct Question {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Queue {
     pub(super) questions: Vec<Question>,
-    /// For each question the pair of parts whose boxes overlap most.
+    /// For each question the pair of parts whose boxes overlap most, or are the nearest.
     pub(super) first: Vec<Pair>,
     /// All the others.
     pub(super) rest: Vec<Pair>,
-    /// How many pairs of objects there are of whose parts no boxes overlap.
+    /// At most how far apart those of `first` and of `rest` are, metres; none where no margin is given.
+    pub(super) gaps: [Vec<f32>; 2],
+    /// How many pairs of objects there are of whose parts no boxes overlap, or are within the margin.
     pub(super) apart: u64,
 }
 
@@ -34,6 +35,7 @@ impl Queue {
         self.questions.clear();
         self.first.clear();
         self.rest.clear();
+        self.gaps.iter_mut().for_each(Vec::clear);
         self.apart = 0;
     }
 }
@@ -55,11 +57,14 @@ pub(super) fn has_parts(frames: FramePair<'_>, pair: Pair) -> bool {
     }
 }
 
-/// Fills a queue from the pairs left in a slice, all with parts; returns how many it took.
+/// Fills a queue from pairs of a slice, all with parts; returns how many it took.
 pub(super) struct Expand<'a> {
     pub(super) frames: FramePair<'a>,
     pub(super) pairs: &'a [Pair],
-    pub(super) left: &'a [Left],
+    /// Which of them, by their numbers.
+    pub(super) numbers: &'a [u32],
+    /// How far apart boxes may be, metres; `None`: those alone that overlap.
+    pub(super) margin: Option<f32>,
     pub(super) queue: &'a mut Queue,
 }
 
@@ -68,15 +73,21 @@ impl Kernel for Expand<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> usize {
-        let Self { frames: FramePair { a, b }, pairs, left, queue } = self;
+        let Self { frames: FramePair { a, b }, pairs, numbers, margin, queue } = self;
         queue.clear();
-        for (taken, left) in left.iter().enumerate() {
+        for (taken, &number) in numbers.iter().enumerate() {
             if queue.rest.len() >= ENOUGH {
                 return taken;
             }
-            let pair = pairs[left.number as usize];
+            let pair = pairs[number as usize];
             let begin = queue.rest.len();
-            let mut hits = Hits { pairs: &mut queue.rest, deepest: f32::NEG_INFINITY, at: begin };
+            let [gap_of_first, gaps] = &mut queue.gaps;
+            let mut hits = Hits {
+                pairs: &mut queue.rest,
+                gaps: margin.map(|margin| (margin, &mut *gaps)),
+                deepest: f32::NEG_INFINITY,
+                at: begin,
+            };
             match (a.members(pair.i), b.members(pair.j)) {
                 (Some(a), Some(b)) => hits.all(l, &a, &b),
                 (Some(parts), None) => {
@@ -95,10 +106,13 @@ impl Kernel for Expand<'_> {
                 continue;
             }
             queue.first.push(queue.rest.swap_remove(likeliest));
+            if margin.is_some() {
+                gap_of_first.push(gaps.swap_remove(likeliest));
+            }
             let end = queue.rest.len() as u32;
-            queue.questions.push(Question { number: left.number, end });
+            queue.questions.push(Question { number, end });
         }
-        left.len()
+        numbers.len()
     }
 }
 
@@ -113,7 +127,9 @@ struct One {
 /// The pairs of parts of one pair of objects, and which is likeliest to touch.
 struct Hits<'a> {
     pairs: &'a mut Vec<Pair>,
-    /// How far its boxes overlap, metres.
+    /// How far apart boxes may be, and at most how far apart those are that were found: metres.
+    gaps: Option<(f32, &'a mut Vec<f32>)>,
+    /// How far its boxes overlap, metres; less than 0 where they do not.
     deepest: f32,
     /// Where it is.
     at: usize,
@@ -125,7 +141,10 @@ impl Hits<'_> {
     fn all<L: Lanes>(&mut self, l: L, a: &Members<'_>, b: &Members<'_>) {
         for (group, boxes) in b.groups.iter().enumerate() {
             for (of_a, around) in a.unions.iter().enumerate() {
-                let mut reaching = boxes.overlaps(l, around);
+                let mut reaching = match &self.gaps {
+                    None => boxes.overlaps(l, around),
+                    Some((margin, _)) => within(l, boxes.gaps(l, around), *margin),
+                };
                 while reaching != 0 {
                     let lane = reaching.trailing_zeros();
                     reaching &= reaching - 1;
@@ -148,15 +167,25 @@ impl Hits<'_> {
     #[inline(always)]
     fn of_group<L: Lanes>(&mut self, l: L, group: (&Aabb16, u32), one: &One) {
         let depth = group.0.depths(l, &one.aabb);
-        let mut met = l.bits(l.le(l.splat(0.0), depth));
-        let mut depths = Row::default();
+        let (mut depths, mut gaps) = (Row::default(), Row::default());
         l.store(depth, &mut depths);
+        let mut met = match &self.gaps {
+            None => l.bits(l.le(l.splat(0.0), depth)),
+            Some((margin, _)) => {
+                let gap = group.0.gaps(l, &one.aabb);
+                l.store(gap, &mut gaps);
+                within(l, gap, *margin)
+            }
+        };
         while met != 0 {
             let lane = met.trailing_zeros();
             met &= met - 1;
             if depths.0[lane as usize] > self.deepest {
                 self.deepest = depths.0[lane as usize];
                 self.at = self.pairs.len();
+            }
+            if let Some((_, list)) = &mut self.gaps {
+                list.push(gaps.0[lane as usize]);
             }
             let part = group.1 + lane;
             self.pairs.push(match one.is_first {
@@ -165,6 +194,12 @@ impl Hits<'_> {
             });
         }
     }
+}
+
+/// The lanes whose gap is at most that.
+#[inline(always)]
+fn within<L: Lanes>(l: L, gap: L::F, margin: f32) -> u32 {
+    l.bits(l.le(gap, l.splat(margin)))
 }
 
 /// A box round an object, from the sphere round it.

@@ -1,6 +1,7 @@
 //! Queries beyond yes or no.
 
 mod both_orders;
+mod compound_distances;
 mod crowds;
 mod degenerate;
 mod depths;

@@ -196,12 +196,12 @@ impl Approach {
     }
 
     /// With the bounds of an earlier search. That one is taken where both together prove the shapes apart and it bounds the
-    /// distance from below better than rounding does: along the direction of the later one the shapes would be nearer than is
-    /// said. Where nothing is proved, the one whose points are nearer: no more than that is known of the distance.
-    pub(super) fn or_earlier(self, earlier: &Self, bounds: &Bounds<f64>) -> Self {
+    /// distance from below better than rounding does, and by more than the gap that both may leave: along the direction of the later
+    /// one the shapes would be nearer than is said. Where nothing is proved, the one whose points are nearer: no more than that is known of the distance.
+    pub(super) fn or_earlier(self, earlier: &Self, bounds: &Bounds<f64>, gap: f64) -> Self {
         let (lower, upper) = (self.lower.max(earlier.lower), self.upper.min(earlier.upper));
         let is_earlier = match lower > bounds.swept_upper() {
-            true => earlier.lower - self.lower > TURNED * UNIT,
+            true => earlier.lower - self.lower > gap.max(TURNED * UNIT),
             false => earlier.length < self.length,
         };
         Self { lower, upper, ..if is_earlier { *earlier } else { self } }

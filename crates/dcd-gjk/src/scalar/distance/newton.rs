@@ -48,7 +48,7 @@ pub(super) fn approach(
     *near = match nearest_points(near, sides).and_then(by_points) {
         Some(found) => found,
         None => approach_from(difference, bounds, [gap, f64::MAX], near.simplex)?
-            .or_earlier(near, bounds),
+            .or_earlier(near, bounds, gap),
     };
     Ok(())
 }

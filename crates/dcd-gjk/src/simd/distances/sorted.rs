@@ -3,9 +3,11 @@
 
 use super::super::Scratch as Yes;
 use super::super::closed::{are_cuboids, nearest_features as of_cuboids};
+use super::super::expand::has_parts;
 use super::super::frame::FramePair;
 use super::super::nearest_points::{self, Found};
 use super::super::straight::CoreForm;
+use super::by_parts::ByParts;
 use crate::Accuracy;
 use dcd_geom::Pair;
 use dcd_simd::Path;
@@ -22,6 +24,8 @@ pub(super) struct Sorted {
     pub(super) formulas: Vec<Pair>,
     /// Of the pairs of [`Kind::Cuboids`].
     pub(super) of_cuboids: of_cuboids::Scratch,
+    /// Of the pairs of [`Kind::Parts`].
+    pub(super) by_parts: ByParts,
     /// The numbers of the pairs that neither touch nor are proved to be beyond the margin.
     open: Vec<u32>,
     /// The pairs of [`Kind::Cuboids`].
@@ -57,6 +61,8 @@ pub(super) enum Kind {
     Cuboids,
     /// By a formula, at the accuracy of f32: spheres, capsules and cuboids.
     Formula,
+    /// By its parts, which the lanes know.
+    Parts,
     /// By the search for nearest vertices.
     Searched,
     /// Not at all: it is proved to be beyond the margin, by what proved it apart or by that search.
@@ -80,6 +86,8 @@ impl Kind {
             accuracy == Accuracy::F32 && CoreForm::of_pair(frames, pair) != CoreForm::Others;
         let of_others = if has_formula { Self::Formula } else { Self::Searched };
         let of_others = if are_spheres { Self::Spheres } else { of_others };
+        let has_parts = frames.have_compounds() && has_parts(frames, pair);
+        let of_others = if has_parts { Self::Parts } else { of_others };
         if are_cuboids { Self::Cuboids } else { of_others }
     }
 }
@@ -114,7 +122,7 @@ impl Sorted {
         frames: FramePair<'_>,
         (judged, pairs, margin, accuracy): (&mut Yes, &[Pair], f64, Accuracy),
     ) {
-        let Self { kinds, open, read, formulas, searched, cuboids, of_cuboids } = self;
+        let Self { kinds, open, read, formulas, searched, cuboids, of_cuboids, by_parts } = self;
         // Rounded up, so that no pair within the margin is left out.
         let far = (margin as f32).next_up();
         let known = judged.touching().iter().zip(judged.kept().clearance());
@@ -131,6 +139,7 @@ impl Sorted {
             |kind| of_kind(kind).map(|(number, is_one)| (pairs[number as usize], is_one));
         choose(pairs_of(Kind::Formula), formulas);
         choose(pairs_of(Kind::Cuboids), cuboids);
+        choose(pairs_of(Kind::Parts), &mut by_parts.pairs);
         of_cuboids::find(path, frames, (cuboids, margin), of_cuboids);
         choose(of_kind(Kind::Searched), &mut searched.numbers);
         judged.lend_found(&mut searched.found);

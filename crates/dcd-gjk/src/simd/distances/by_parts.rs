@@ -1,0 +1,292 @@
+//! Pairs of objects of which one is a compound: the distances of their parts, sixteen pairs of parts at a time.
+//!
+//! Of each pair the likeliest parts come first; of the others those alone whose boxes are nearer than these.
+
+use super::super::by_parts::part;
+use super::super::closed::{are_cuboids, nearest_features as of_cuboids};
+use super::super::expand::{Expand, Queue};
+use super::super::nearest_points;
+use super::super::scene_pairs::ScenePairs;
+use super::of_points::distance_of;
+use crate::closed::{self, distance_of_spheres};
+use crate::distance::DistanceResult;
+use crate::{Accuracy, Distance, PosedShape, Prepared, mesh};
+use dcd_geom::Pair;
+use dcd_simd::{Path, Unfused, dispatch_on};
+use std::ops::Range;
+
+/// What the lanes found of two objects by their parts.
+#[derive(Clone, Debug, Default)]
+pub(super) enum Found {
+    /// That they are farther apart than the margin.
+    #[default]
+    Beyond,
+    /// How far apart they are.
+    Near(Distance),
+    /// Which parts may be the nearest, in [`ByParts::candidates`].
+    Among(Range<usize>),
+}
+
+/// What a thread reuses from slice to slice.
+#[derive(Debug, Default)]
+pub(super) struct ByParts {
+    /// The pairs, all of which are known to be apart.
+    pub(super) pairs: Vec<Pair>,
+    /// For each what was found.
+    pub(super) found: Vec<Found>,
+    /// Pairs of parts, by their numbers in their compounds.
+    pub(super) candidates: Vec<[u32; 2]>,
+    numbers: Vec<u32>,
+    queue: Queue,
+    /// The gaps of the likeliest pairs of parts, and of the others.
+    firsts: Gaps,
+    rest: Gaps,
+    /// Where the others of each question end that are looked at.
+    ends: Vec<usize>,
+    lanes: Lanes,
+}
+
+/// Pairs of parts, and what is known of each.
+#[derive(Debug, Default)]
+struct Gaps {
+    /// By their records.
+    pairs: Vec<Pair>,
+    /// Of which of the objects' pairs each is, by its number.
+    numbers: Vec<u32>,
+    gaps: Vec<Gap>,
+}
+
+/// What is known of how far apart two parts are.
+#[derive(Clone, Copy, Debug)]
+struct Gap {
+    /// At most that far, metres; infinite: farther than the margin.
+    lower: f64,
+    /// The distance, where the lanes know it.
+    distance: Option<Distance>,
+}
+
+impl Gap {
+    const BEYOND: Self = Self { lower: f64::INFINITY, distance: None };
+
+    /// Of that distance, if it is known; at least `lower` of it.
+    fn of(distance: Option<Distance>, lower: f64) -> Self {
+        let of_distance = distance.map_or(0.0, |found| found.lower());
+        Self { lower: lower.max(of_distance), distance }
+    }
+
+    fn upper(&self) -> f64 {
+        self.distance.map_or(f64::INFINITY, |found| found.upper())
+    }
+}
+
+/// What the lanes work with.
+#[derive(Debug, Default)]
+struct Lanes {
+    of_cuboids: of_cuboids::Scratch,
+    cuboids: Vec<Pair>,
+    /// The places of those among all pairs of parts.
+    cuboids_at: Vec<usize>,
+    nearest: nearest_points::Scratch,
+    others: Vec<Pair>,
+    others_at: Vec<usize>,
+}
+
+impl ByParts {
+    /// Looks for the nearest parts of each of the pairs.
+    pub(super) fn find(
+        &mut self,
+        path: Path,
+        objects: ScenePairs<'_>,
+        (margin, accuracy): (f64, Accuracy),
+    ) {
+        let Self { pairs, found, candidates, numbers, queue, firsts, rest, ends, lanes } = self;
+        let objects = ScenePairs { pairs, ..objects };
+        let frames = objects.frames;
+        candidates.clear();
+        found.clear();
+        found.resize(pairs.len(), Found::Beyond);
+        numbers.clear();
+        numbers.extend(0..pairs.len() as u32);
+        // Rounded up, so that no pair within the margin is left out.
+        let far = Some((margin as f32).next_up());
+        let mut open = &numbers[..];
+        while !open.is_empty() {
+            let expand = Expand { frames, pairs, numbers: open, margin: far, queue };
+            open = &open[dispatch_on(path, Unfused(expand))..];
+            firsts.take_firsts(queue);
+            lanes.measure(path, (objects, margin), firsts);
+            rest.take_rest(queue, firsts, ends);
+            lanes.measure(path, (objects, margin), rest);
+            let mut begin = 0;
+            for (place, (question, &end)) in queue.questions.iter().zip(&*ends).enumerate() {
+                let of_rest = begin..end;
+                let all = firsts.of(place..place + 1).chain(rest.of(of_rest));
+                found[question.number as usize] =
+                    nearest(all, accuracy, (objects, question.number), candidates);
+                begin = end;
+            }
+        }
+    }
+}
+
+impl Gaps {
+    fn clear(&mut self) {
+        self.pairs.clear();
+        self.numbers.clear();
+        self.gaps.clear();
+    }
+
+    /// Nothing is known of a pair of parts but how far apart its boxes are.
+    fn push(&mut self, pair: Pair, number: u32, of_boxes: f32) {
+        self.pairs.push(pair);
+        self.numbers.push(number);
+        self.gaps.push(Gap { lower: f64::from(of_boxes), distance: None });
+    }
+
+    /// Takes the likeliest pair of each question.
+    fn take_firsts(&mut self, queue: &Queue) {
+        self.clear();
+        for ((question, &pair), &gap) in
+            queue.questions.iter().zip(&queue.first).zip(&queue.gaps[0])
+        {
+            self.push(pair, question.number, gap);
+        }
+    }
+
+    /// Takes all others that may be nearer than those, and where those of each question end.
+    fn take_rest(&mut self, queue: &Queue, firsts: &Self, ends: &mut Vec<usize>) {
+        self.clear();
+        ends.clear();
+        let mut begin = 0;
+        for (question, first) in queue.questions.iter().zip(&firsts.gaps) {
+            let (of_rest, upper) = (begin..question.end as usize, first.upper());
+            for (&pair, &gap) in queue.rest[of_rest.clone()].iter().zip(&queue.gaps[1][of_rest]) {
+                if f64::from(gap) <= upper {
+                    self.push(pair, question.number, gap);
+                }
+            }
+            ends.push(self.pairs.len());
+            begin = question.end as usize;
+        }
+    }
+
+    fn of(&self, range: Range<usize>) -> impl Iterator<Item = (Pair, Gap)> + Clone {
+        self.pairs[range.clone()].iter().copied().zip(self.gaps[range].iter().copied())
+    }
+}
+
+impl Lanes {
+    /// Measures pairs of parts.
+    fn measure(&mut self, path: Path, (objects, margin): (ScenePairs<'_>, f64), all: &mut Gaps) {
+        let frames = objects.frames;
+        let Self { of_cuboids, cuboids, cuboids_at, nearest, others, others_at } = self;
+        let Gaps { pairs, numbers, gaps } = all;
+        (cuboids.clear(), cuboids_at.clear(), others.clear(), others_at.clear());
+        for (at, &pair) in pairs.iter().enumerate() {
+            if let Some(spheres) = frames.spheres(pair) {
+                let found = distance_of_spheres(spheres, closed::AS_F64);
+                let distance = match found {
+                    Some(DistanceResult::Apart(distance)) => Some(distance),
+                    _ => None,
+                };
+                gaps[at] = Gap::of(distance, gaps[at].lower);
+            } else if are_cuboids(frames, pair) {
+                cuboids.push(pair);
+                cuboids_at.push(at);
+            } else {
+                others.push(pair);
+                others_at.push(at);
+            }
+        }
+        of_cuboids::find(path, frames, (cuboids, margin), of_cuboids);
+        for (&at, found) in cuboids_at.iter().zip(&of_cuboids.found) {
+            gaps[at] = match found {
+                of_cuboids::Found::Beyond => Gap::BEYOND,
+                of_cuboids::Found::Unknown => gaps[at],
+                of_cuboids::Found::Near(near) => {
+                    let distance = near.distance_in_f32(frames, pairs[at]);
+                    Gap::of(distance, gaps[at].lower.max(f64::from(near.lower)))
+                }
+            };
+        }
+        nearest_points::find(path, frames, (others, margin), nearest);
+        for (&at, found) in others_at.iter().zip(&nearest.found) {
+            gaps[at] = match found {
+                nearest_points::Found::Beyond => Gap::BEYOND,
+                nearest_points::Found::Unknown => gaps[at],
+                nearest_points::Found::Nearest(points) => {
+                    let in_f64 = || {
+                        let [(_, a), (_, b)] =
+                            parts_of(objects, objects.pairs[numbers[at] as usize], pairs[at]);
+                        distance_of(points, a, b)
+                    };
+                    let distance = points.distance_in_f32(frames, pairs[at]).or_else(in_f64);
+                    Gap::of(distance, gaps[at].lower)
+                }
+            };
+        }
+    }
+}
+
+/// The nearest of all pairs of parts of the objects' pair of that number: its distance, where that is known well enough, or
+/// those that may be it.
+fn nearest(
+    all: impl Iterator<Item = (Pair, Gap)> + Clone,
+    accuracy: Accuracy,
+    (objects, number): (ScenePairs<'_>, u32),
+    candidates: &mut Vec<[u32; 2]>,
+) -> Found {
+    let pair = objects.pairs[number as usize];
+    let upper = all.clone().map(|(_, gap)| gap.upper()).fold(f64::INFINITY, f64::min);
+    let may_be = all.filter(|(_, gap)| gap.lower <= upper && gap.lower < f64::INFINITY);
+    if may_be.clone().next().is_none() {
+        return Found::Beyond;
+    }
+    let numbers = |records| parts_of(objects, pair, records).map(|(number, _)| number);
+    if accuracy == Accuracy::F32
+        && let Some(distances) = may_be
+            .clone()
+            .map(|(records, gap)| Some((records, gap.distance?)))
+            .collect::<Option<Vec<_>>>()
+        && let Some(distance) = least(&distances, objects.posed(pair), numbers)
+    {
+        return Found::Near(distance);
+    }
+    let begin = candidates.len();
+    candidates.extend(may_be.map(|(records, _)| numbers(records)));
+    Found::Among(begin..candidates.len())
+}
+
+/// The least of the distances of pairs of parts, and what bounds it. Of equal ones the first by its parts' numbers, in an order
+/// that is one for (a, b) and (b, a).
+fn least(
+    distances: &[(Pair, Distance)],
+    [a, b]: [PosedShape<'_>; 2],
+    numbers: impl Fn(Pair) -> [u32; 2],
+) -> Option<Distance> {
+    let shortest = distances.iter().map(|(_, found)| found.distance).fold(f64::INFINITY, f64::min);
+    let lower = distances.iter().map(|(_, found)| found.lower()).fold(f64::INFINITY, f64::min);
+    let mut as_near = distances.iter().filter(|(_, found)| found.distance == shortest);
+    let first = as_near.next()?;
+    let mut least = first.1;
+    if as_near.clone().next().is_some() {
+        let is_swapped = mesh::is_swapped(a, b);
+        let key = |records| {
+            let [of_a, of_b] = numbers(records);
+            if is_swapped { [of_b, of_a] } else { [of_a, of_b] }
+        };
+        least = std::iter::once(first).chain(as_near).min_by_key(|(pair, _)| key(*pair))?.1;
+    }
+    let below = (shortest - lower).next_up();
+    Some(Distance { error_bound: least.error_bound.max(below), ..least })
+}
+
+/// Two parts by their records: their numbers, and what they are.
+fn parts_of(objects: ScenePairs<'_>, pair: Pair, records: Pair) -> [(u32, PosedShape<'_>); 2] {
+    let [a, b] = objects.scenes;
+    let side = |scene, frame| Prepared { scene, frame };
+    [
+        part(side(a, objects.frames.a), pair.i, records.i),
+        part(side(b, objects.frames.b), pair.j, records.j),
+    ]
+}
