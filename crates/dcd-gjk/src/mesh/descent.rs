@@ -86,6 +86,19 @@ impl Scratch {
             None => *placed = relative.place_one(b),
         }
     }
+
+    /// Turns the triangles of a leaf of the second mesh into the first axes, once.
+    #[inline(always)]
+    pub(super) fn turn<L: Lanes>(&mut self, l: L, relative: &RelativePose, mesh: &Mesh, leaf: u32) {
+        let leaf = leaf as usize;
+        if std::mem::replace(&mut self.turned[leaf], true) {
+            return;
+        }
+        for corner in 0..3 {
+            let from = &mesh.leaves()[leaf].corners[corner];
+            relative.turn(l, from, &mut self.corners[leaf][corner]);
+        }
+    }
 }
 
 impl<'a, 'g> Descent<'a, 'g> {
@@ -250,7 +263,7 @@ impl Descent<'_, '_> {
             let leaf_b = &mesh_b.leaves()[block_b as usize];
             let leaves =
                 leaves.get_or_insert_with(|| Leaves::of(self.relative, leaf_a, leaf_b, radius));
-            self.turn(l, mesh_b, block_b);
+            self.scratch.turn(l, self.relative, mesh_b, block_b);
             let corners = [&leaf_a.corners, &self.scratch.corners[block_b as usize]];
             for lane in Bits(not_apart(l, leaves, corners, (lane, hits))) {
                 let pair = [below.0[lane], part_b];
@@ -379,19 +392,6 @@ impl Descent<'_, '_> {
                 self.scratch.planes.boxes(l, &compound.tree().blocks()[block as usize], open)
             }
             Parts::One(_) => open,
-        }
-    }
-
-    /// Turns the triangles of a leaf of the second mesh into the first axes, once.
-    #[inline(always)]
-    fn turn<L: Lanes>(&mut self, l: L, mesh: &Mesh, leaf: u32) {
-        let leaf = leaf as usize;
-        if std::mem::replace(&mut self.scratch.turned[leaf], true) {
-            return;
-        }
-        for corner in 0..3 {
-            let from = &mesh.leaves()[leaf].corners[corner];
-            self.relative.turn(l, from, &mut self.scratch.corners[leaf][corner]);
         }
     }
 }

@@ -17,12 +17,12 @@ use std::cmp::Ordering;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Open {
     /// At most the distance between the two boxes' contents, metres, at least 0.
-    lower: f32,
-    what: What,
+    pub(super) lower: f32,
+    pub(super) what: What,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum What {
+pub(super) enum What {
     Parts([u32; 2]),
     Blocks([u32; 2]),
 }
@@ -52,7 +52,7 @@ impl Eq for Open {}
 /// that was needed: that of their nearest parts, with witness points on those.
 ///
 /// Never undecided where all parts are polytopes. (a, b) and (b, a) give the same bits, mirrored.
-/// Of a mesh and a convex shape or a compound of few parts, f64 finds the few triangles that may be the nearest; else it
+/// Of a mesh and another, a convex shape or a compound of few parts, f64 finds the few triangles that may be the nearest; else it
 /// costs some microseconds for every pair of parts whose boxes are nearer than the parts.
 pub fn distance(
     a: PosedShape<'_>,
@@ -65,9 +65,28 @@ pub fn distance(
 /// The same with the parts measured at an accuracy.
 pub(crate) fn distance_at(
     accuracy: Accuracy,
-    [a, b]: [PosedShape<'_>; 2],
+    sides: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
 ) -> (DistanceResult, Method) {
+    match nearer_than((f64::MAX, accuracy), sides, scratch) {
+        (Limited::Known(found), method) => (found, method),
+        (Limited::Beyond, method) => (DistanceResult::Undecided(Reason::Range), method),
+    }
+}
+
+/// What is known of two shapes of which a distance below a limit alone matters.
+pub(crate) enum Limited {
+    /// That they are at least so far apart.
+    Beyond,
+    Known(DistanceResult),
+}
+
+/// The same where a distance below `far` alone matters: metres.
+pub(crate) fn nearer_than(
+    (far, accuracy): (f64, Accuracy),
+    [a, b]: [PosedShape<'_>; 2],
+    scratch: &mut Scratch,
+) -> (Limited, Method) {
     let ([first, second], swapped) = in_order(a, b);
     let in_order = if swapped { [b, a] } else { [a, b] };
     let (a, b) = (&first, &second);
@@ -75,8 +94,9 @@ pub(crate) fn distance_at(
     if let Some(parts) = lowest_parts([a, b]).or_else(|| may_be_nearest(in_order)) {
         best.measure_all([a, b], parts);
     } else if let Some(relative) = RelativePose::of(a, b) {
-        match nearest_parts([a, b], &relative) {
+        match nearest_parts([a, b], &relative, scratch, far) {
             Some(Left::Touching) => best.touching = true,
+            Some(Left::Near(parts)) if parts.is_empty() => return (Limited::Beyond, Method::F64),
             Some(Left::Near(parts)) => best.measure_all([a, b], parts),
             None => best = dispatch(NearestParts { a, b, relative: &relative, scratch, best }),
         }
@@ -85,7 +105,7 @@ pub(crate) fn distance_at(
         best.measure_all([a, b], (0..a.count()).flat_map(of_a));
     }
     let (result, method) = best.answer();
-    (if swapped { result.mirrored() } else { result }, method)
+    (Limited::Known(if swapped { result.mirrored() } else { result }), method)
 }
 
 /// The distance of two shapes that is that of one of these pairs of parts, by index, measured at an accuracy.
@@ -266,7 +286,10 @@ impl Kernel for NearestParts<'_> {
                 break;
             }
             match what {
-                What::Blocks(blocks) => self.expand(l, blocks),
+                What::Blocks(blocks) => {
+                    let limit = self.best.nearest.map_or(f64::INFINITY, |best| best.distance);
+                    self.scratch.expand(l, self.relative, ([self.a, self.b], blocks), limit);
+                }
                 What::Parts(parts) => {
                     if self.best.measure([self.a, self.b], parts) == Known::All {
                         break;
@@ -278,20 +301,32 @@ impl Kernel for NearestParts<'_> {
     }
 }
 
-impl NearestParts<'_> {
-    /// Replaces two blocks by the pairs of what is below the upper one, or below both.
+impl Scratch {
+    /// Replaces two blocks by the pairs of what is below the upper one, or below both, that are nearer than that: metres.
     #[inline(always)]
-    fn expand<L: Lanes>(&mut self, l: L, [block_a, block_b]: [u32; 2]) {
-        self.scratch.place(l, self.relative, self.b, block_b);
-        let Some(tree) = self.a.tree() else { return };
+    pub(super) fn expand<L: Lanes>(
+        &mut self,
+        l: L,
+        relative: &RelativePose,
+        ([a, b], [block_a, block_b]): ([&Side<'_>; 2], [u32; 2]),
+        limit: f64,
+    ) {
+        self.place(l, relative, b, block_b);
+        let Some(tree) = a.tree() else { return };
         let boxes = &tree.blocks()[block_a as usize];
-        let (below_a, below_b) = (self.a.below(block_a), self.b.below(block_b));
-        let leaves = [self.a.is_leaf(block_a), self.b.is_leaf(block_b)];
+        let (below_a, below_b) = (a.below(block_a), b.below(block_b));
+        let leaves = [a.is_leaf(block_a), b.is_leaf(block_b)];
+        let open = &mut self.open;
+        let mut push = |lower: f32, what: What| {
+            if f64::from(lower) < limit {
+                open.push(Open { lower, what });
+            }
+        };
         // Boxes are compared in axes that may be longer than the world's.
-        let shrink = l.splat((1.0 / self.relative.stretch()) as f32 * (1.0 - 16.0 * f32::EPSILON));
+        let shrink = l.splat((1.0 / relative.stretch()) as f32 * (1.0 - 16.0 * f32::EPSILON));
         let mut nearest_of_a = Row([f32::INFINITY; WIDTH]);
         for lane_b in 0..WIDTH {
-            let one = self.scratch.blocks[block_b as usize].get(lane_b);
+            let one = self.blocks[block_b as usize].get(lane_b);
             // Boxes of nothing are NaN here.
             if !one.is_valid() {
                 continue;
@@ -305,8 +340,8 @@ impl NearestParts<'_> {
                 match leaves {
                     // To nothing it is infinitely far.
                     _ if !(lower < f32::INFINITY) => {}
-                    [true, true] => self.push(lower, What::Parts(what)),
-                    [false, false] => self.push(lower, What::Blocks(what)),
+                    [true, true] => push(lower, What::Parts(what)),
+                    [false, false] => push(lower, What::Blocks(what)),
                     [true, false] => nearest = nearest.min(lower),
                     [false, true] => {
                         nearest_of_a.0[lane_a] = nearest_of_a.0[lane_a].min(lower);
@@ -314,19 +349,13 @@ impl NearestParts<'_> {
                 }
             }
             if nearest < f32::INFINITY {
-                self.push(nearest, What::Blocks([block_a, below_b.0[lane_b]]));
+                push(nearest, What::Blocks([block_a, below_b.0[lane_b]]));
             }
         }
         for lane in 0..WIDTH {
             if nearest_of_a.0[lane] < f32::INFINITY {
-                self.push(nearest_of_a.0[lane], What::Blocks([below_a.0[lane], block_b]));
+                push(nearest_of_a.0[lane], What::Blocks([below_a.0[lane], block_b]));
             }
-        }
-    }
-
-    fn push(&mut self, lower: f32, what: What) {
-        if !self.best.is_nearer_than(lower) {
-            self.scratch.open.push(Open { lower, what });
         }
     }
 }

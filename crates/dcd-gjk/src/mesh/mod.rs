@@ -27,13 +27,15 @@ mod side;
 mod spheres;
 #[cfg(test)]
 mod tests;
+mod triangle_gaps;
 mod triangles;
+mod two_meshes;
 
 use crate::epa::Depth;
 use crate::{Method, PosedShape, Reason, Verdict, order};
 use dcd_geom::glam::Vec3;
 use dcd_geom::{Aabb16, Shape};
-use dcd_simd::{Block, IndexRow, Kernel, Lanes, Path, Unfused, dispatch_on};
+use dcd_simd::{Block, IndexRow, Kernel, Lanes, Path, Unfused, dispatch, dispatch_on};
 use descent::{Descent, Goal};
 use distance::Open;
 use per_part::PerPart;
@@ -47,7 +49,7 @@ pub(crate) use deepest::{
     AS_DEEP, Effort, PartPair, deepest, deepest_of, pairs_of, part_index, touching_parts,
 };
 pub use distance::distance;
-pub(crate) use distance::{distance_at, distance_of_nearest};
+pub(crate) use distance::{Limited, distance_at, distance_of_nearest, nearer_than};
 pub(crate) use may_be_deepest::may_be_deepest;
 pub(crate) use nearest_triangle::distance_in_f32;
 pub(crate) use on_body::{
@@ -202,24 +204,22 @@ fn search(
     (goal, depths, at_most): Wanted<'_>,
 ) -> (Verdict<()>, Method) {
     let ([first, second], swapped) = in_order(a, b);
-    let (a, b) = (&first, &second);
-    let mut tally = Tally {
-        goal,
-        depths,
-        at_most,
-        swapped,
-        touching: false,
-        undecided: None,
-        method: Method::Portal,
-    };
+    let mut tally = Tally { depths, at_most, swapped, ..Tally::of(goal) };
     let has_depths = tally.depths.is_some();
-    let search = Search { sides: [a, b], scratch, tally: &mut tally };
+    let search = Search { sides: [&first, &second], scratch, tally: &mut tally };
     // What bounds depths, and which the lanes leave to formulas that find them, is not to differ from path to path.
     match has_depths {
         true => dispatch_on(path, Unfused(search)),
         false => dispatch_on(path, search),
     }
     tally.answer()
+}
+
+/// Whether two shapes touch that are in their order.
+fn touch(sides: [&Side<'_>; 2], scratch: &mut Scratch) -> Verdict<()> {
+    let mut tally = Tally::of(Goal::Any);
+    dispatch(Search { sides, scratch, tally: &mut tally });
+    tally.answer().0
 }
 
 /// The search of two shapes in their order, of which the first is made of parts.
@@ -308,6 +308,21 @@ struct Tally<'a> {
 enum Next {
     Go,
     Stop,
+}
+
+impl<'a> Tally<'a> {
+    /// Of nothing yet; no depths are wanted.
+    fn of(goal: Goal<'a>) -> Self {
+        Self {
+            goal,
+            depths: None,
+            at_most: None,
+            swapped: false,
+            touching: false,
+            undecided: None,
+            method: Method::Portal,
+        }
+    }
 }
 
 impl Tally<'_> {

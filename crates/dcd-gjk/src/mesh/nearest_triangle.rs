@@ -4,12 +4,13 @@
 //! it, and mostly from its neighbours: a triangle that is as far away along one as the nearest is known to be needs
 //! no search (docs/numerics/proofs.md, "Nearest triangles").
 
-use super::in_order;
+use super::distance::Limited;
 use super::pair::Core;
 use super::reach::{Couple, SecondAlong};
 use super::relative_pose::RelativePose;
 use super::separating_planes::SeparatingPlanes;
 use super::side::{Part, Parts, Side};
+use super::{Scratch, in_order, two_meshes};
 use crate::distance::{Distance, DistanceResult, Nearer, nearer};
 use crate::{PosedShape, PosedSupport};
 use dcd_geom::glam::DVec3;
@@ -32,23 +33,24 @@ const GAP: f64 = 1e-6;
 /// The most parts of a compound, which are measured one by one. More: both trees are quicker.
 const PARTS: usize = 16;
 
-/// The distance of a mesh and a convex shape or a compound of few; `None` of others, where f64 leaves open whether they
+/// The distance of a mesh and another, a convex shape or a compound of few; `None` of others, where f64 leaves open whether they
 /// touch, and where a length is out of range.
 ///
-/// (a, b) and (b, a) give the same bits, mirrored.
-pub(crate) fn distance_in_f32(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
+/// (a, b) and (b, a) give the same bits, mirrored. What is at least `far` apart, metres, need not be measured.
+pub(crate) fn distance_in_f32([a, b]: [PosedShape<'_>; 2], far: f64) -> Option<Limited> {
     let is_mesh = |side: PosedShape<'_>| matches!(side.shape, Shape::Mesh(_));
-    if is_mesh(a) == is_mesh(b) {
+    if !is_mesh(a) && !is_mesh(b) {
         return None;
     }
     let ([first, second], swapped) = in_order(a, b);
     let relative = RelativePose::of(&first, &second)?;
-    let mut nearest = Nearest::default();
-    match search([&first, &second], &relative, &mut nearest)? {
-        Found::Touching => Some(DistanceResult::Touching),
+    let mut nearest = Nearest::nearer_than(far);
+    match search([&first, &second], &relative, &mut Scratch::default(), &mut nearest)? {
+        Found::Touching => Some(Limited::Known(DistanceResult::Touching)),
+        Found::Apart if nearest.best.is_none() => Some(Limited::Beyond),
         Found::Apart => {
             let found = DistanceResult::Apart(nearest.distance()?);
-            Some(if swapped { found.mirrored() } else { found })
+            Some(Limited::Known(if swapped { found.mirrored() } else { found }))
         }
     }
 }
@@ -57,15 +59,21 @@ pub(crate) fn distance_in_f32(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Di
 pub(super) enum Left {
     /// They touch.
     Touching,
-    /// Pairs of a triangle and a part, by index in rising order: one of them is the nearest.
+    /// Pairs of a triangle and a part, by index in rising order: one of them is the nearest. None: they are at least as far
+    /// apart as matters.
     Near(Vec<[u32; 2]>),
 }
 
-/// Which triangles of a mesh and parts of a bounded convex shape or a compound of few may be nearest to each other; `None` of others,
+/// Which triangles of a mesh and parts of another, of a bounded convex shape or of a compound of few may be nearest to each other; `None` of others,
 /// and where f64 leaves open whether they touch.
-pub(super) fn nearest_parts(sides: [&Side<'_>; 2], relative: &RelativePose) -> Option<Left> {
-    let mut nearest = Nearest { measured: Some(Vec::new()), ..Nearest::default() };
-    if let Found::Touching = search(sides, relative, &mut nearest)? {
+pub(super) fn nearest_parts(
+    sides: [&Side<'_>; 2],
+    relative: &RelativePose,
+    scratch: &mut Scratch,
+    far: f64,
+) -> Option<Left> {
+    let mut nearest = Nearest { measured: Some(Vec::new()), ..Nearest::nearer_than(far) };
+    if let Found::Touching = search(sides, relative, scratch, &mut nearest)? {
         return Some(Left::Touching);
     }
     let (limit, mut measured) = (nearest.limit(), nearest.measured?);
@@ -80,6 +88,7 @@ pub(super) fn nearest_parts(sides: [&Side<'_>; 2], relative: &RelativePose) -> O
 fn search(
     [first, second]: [&Side<'_>; 2],
     relative: &RelativePose,
+    scratch: &mut Scratch,
     nearest: &mut Nearest,
 ) -> Option<Found> {
     let mut look_at = |part: u32, shape: &Shape| {
@@ -98,19 +107,22 @@ fn search(
             }
             Some(found)
         }
-        _ => None,
+        Parts::Mesh(_) => two_meshes::meet([first, second], relative, scratch, nearest),
+        Parts::Compound(_) => None,
     }
 }
 
 /// Whether the shape touches a triangle.
-enum Found {
+pub(super) enum Found {
     Apart,
     Touching,
 }
 
 /// The nearest so far, from the mesh.
-struct Nearest {
+pub(super) struct Nearest {
     best: Option<Distance>,
+    /// What is at least so far away does not matter, metres.
+    far: f64,
     /// At most the distance of every triangle that was met.
     lower: f64,
     /// What was measured, where all that may be the nearest are wanted.
@@ -123,29 +135,33 @@ struct Measured {
     lower: f64,
 }
 
-impl Default for Nearest {
-    fn default() -> Self {
-        Self { best: None, lower: f64::INFINITY, measured: None }
-    }
-}
-
 impl Nearest {
+    /// Of none yet, and of those alone that are nearer than that: metres.
+    pub(super) fn nearer_than(far: f64) -> Self {
+        Self { best: None, far, lower: f64::INFINITY, measured: None }
+    }
+
     /// What is at least so far away does not change what is known; where all that may be the nearest are wanted, is none
     /// of them.
-    fn limit(&self) -> f64 {
+    pub(super) fn limit(&self) -> f64 {
         let limit = |best: Distance| match self.measured {
             Some(_) => (best.distance + best.error_bound).next_up(),
             None => best.distance - best.error_bound,
         };
-        self.best.map_or(f64::MAX, limit)
+        self.best.map_or(f64::MAX, limit).min(self.far)
     }
 
     /// How much nearer than that what is passed by may be, relative to the pair's size.
-    fn close(&self) -> f64 {
+    pub(super) fn close(&self) -> f64 {
         if self.measured.is_some() { 0.0 } else { CLOSE }
     }
 
-    fn add(&mut self, parts: [u32; 2], found: Distance) {
+    /// Takes in that a pair of parts is at least so far apart and not measured.
+    pub(super) fn pass(&mut self, lower: f64) {
+        self.lower = self.lower.min(lower);
+    }
+
+    pub(super) fn add(&mut self, parts: [u32; 2], found: Distance) {
         let lower = found.distance - found.error_bound;
         self.lower = self.lower.min(lower);
         if let Some(measured) = &mut self.measured {
@@ -264,7 +280,7 @@ impl<'a> NearestTriangle<'a> {
         let limit = self.nearest.limit();
         let lower = self.lower(&corners);
         if lower >= limit - self.nearest.close() * self.couple.size() {
-            self.nearest.lower = self.nearest.lower.min(lower);
+            self.nearest.pass(lower);
             return Some(Found::Apart);
         }
         let core = Core::of(&part)?;

@@ -131,33 +131,57 @@ impl InnerOuterSpheres {
 /// The point of each triangle that is nearest to the origin, as f32 has it; for any triangle it is
 /// a point of it to within rounding, or NaN.
 #[inline(always)]
-pub(super) fn nearest<L: Lanes>(l: L, [a, b, c]: [V3<L>; 3]) -> V3<L> {
-    let (zero, one) = (l.splat(0.0), l.splat(1.0));
-    let (ab, ac) = (b.sub(l, a), c.sub(l, a));
-    let (g11, g12, g22) = (ab.dot(l, ab), ab.dot(l, ac), ac.dot(l, ac));
-    let (h1, h2) = (l.neg(ab.dot(l, a)), l.neg(ac.dot(l, a)));
+pub(super) fn nearest<L: Lanes>(l: L, triangle: [V3<L>; 3]) -> V3<L> {
+    Flat::of(l, triangle).nearest(l, triangle[0])
+}
 
-    // On the three edges, and in the middle where that is inside.
-    let along = l.sub(l.add(l.sub(g11, g12), h2), h1);
-    let t = share(l, along, l.add(l.sub(l.sub(g11, g12), g12), g22));
-    let edges = [(share(l, h1, g11), zero), (zero, share(l, h2, g22)), (l.sub(one, t), t)];
-    let area = l.sub(l.mul(g11, g22), l.mul(g12, g12));
-    let s = l.div(l.sub(l.mul(h1, g22), l.mul(h2, g12)), area);
-    let t = l.div(l.sub(l.mul(h2, g11), l.mul(h1, g12)), area);
-    let inside = l.and(l.and(l.le(zero, s), l.le(zero, t)), l.le(l.add(s, t), one));
+/// What the nearest points of sixteen triangles have in common, from wherever they are sought.
+pub(super) struct Flat<L: Lanes> {
+    ab: V3<L>,
+    ac: V3<L>,
+    /// The products of the two: of the first with itself, with the second, and of that with itself.
+    products: [L::F; 3],
+    /// The determinant of these.
+    area: L::F,
+}
 
-    let mut best = a;
-    let mut least = a.dot(l, a);
-    for (s, t) in edges {
-        let other = a.plus(l, s, ab).plus(l, t, ac);
-        let square = other.dot(l, other);
-        let nearer = l.lt(square, least);
-        best = V3::select(l, nearer, other, best);
-        least = l.select(nearer, square, least);
+impl<L: Lanes> Flat<L> {
+    #[inline(always)]
+    pub(super) fn of(l: L, [a, b, c]: [V3<L>; 3]) -> Self {
+        let (ab, ac) = (b.sub(l, a), c.sub(l, a));
+        let [g11, g12, g22] = [ab.dot(l, ab), ab.dot(l, ac), ac.dot(l, ac)];
+        let area = l.sub(l.mul(g11, g22), l.mul(g12, g12));
+        Self { ab, ac, products: [g11, g12, g22], area }
     }
-    let middle = a.plus(l, s, ab).plus(l, t, ac);
-    let nearer = l.and(inside, l.lt(middle.dot(l, middle), least));
-    V3::select(l, nearer, middle, best)
+
+    /// The points nearest to the origin, where the first corners are there.
+    #[inline(always)]
+    pub(super) fn nearest(&self, l: L, a: V3<L>) -> V3<L> {
+        let &Self { ab, ac, products: [g11, g12, g22], area } = self;
+        let (zero, one) = (l.splat(0.0), l.splat(1.0));
+        let (h1, h2) = (l.neg(ab.dot(l, a)), l.neg(ac.dot(l, a)));
+
+        // On the three edges, and in the middle where that is inside.
+        let along = l.sub(l.add(l.sub(g11, g12), h2), h1);
+        let t = share(l, along, l.add(l.sub(l.sub(g11, g12), g12), g22));
+        let edges = [(share(l, h1, g11), zero), (zero, share(l, h2, g22)), (l.sub(one, t), t)];
+        let s = l.div(l.sub(l.mul(h1, g22), l.mul(h2, g12)), area);
+        let t = l.div(l.sub(l.mul(h2, g11), l.mul(h1, g12)), area);
+        let inside = l.and(l.and(l.le(zero, s), l.le(zero, t)), l.le(l.add(s, t), one));
+
+        let mut best = a;
+        let mut least = a.dot(l, a);
+        for (s, t) in edges {
+            let other = a.plus(l, s, ab).plus(l, t, ac);
+            let square = other.dot(l, other);
+            let nearer = l.lt(square, least);
+            best = V3::select(l, nearer, other, best);
+            least = l.select(nearer, square, least);
+        }
+        let middle = a.plus(l, s, ab).plus(l, t, ac);
+        let nearer = l.and(inside, l.lt(middle.dot(l, middle), least));
+        V3::select(l, nearer, middle, best)
+    }
 }
 
 /// x / y, between 0 and 1.

@@ -4,6 +4,7 @@ use super::bounds::{SEPARATION, SHORTEST, SWEPT, U};
 use super::relative_pose::RelativePose;
 use crate::simd::vector::V3;
 use dcd_geom::Triangles;
+use dcd_geom::glam::Vec3;
 use dcd_simd::{Block, Lanes};
 
 /// What is the same for every pair of triangles of two leaves.
@@ -17,6 +18,8 @@ pub(super) struct Leaves {
     radius: f32,
     /// And in any case.
     least: f32,
+    /// Of both, metres.
+    size: f64,
 }
 
 impl Leaves {
@@ -33,7 +36,29 @@ impl Leaves {
             bound: (bound as f32).next_up(),
             radius: ((radius * (1.0 + SWEPT)) as f32 * (1.0 + 2.0 * f32::EPSILON)).next_up(),
             least: least as f32 + f32::MIN_POSITIVE,
+            size,
         }
+    }
+
+    /// What a separation must exceed to be proved, per |d|₁: metres.
+    pub(super) fn bound(&self) -> f32 {
+        self.bound
+    }
+
+    /// How large both are with what is between them: metres.
+    pub(super) fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// From the first leaf's centre to the second's.
+    pub(super) fn offset(&self) -> Vec3 {
+        Vec3::from_array(self.offset)
+    }
+
+    #[inline(always)]
+    fn offset_in_lanes<L: Lanes>(&self, l: L) -> V3<L> {
+        let [x, y, z] = self.offset;
+        V3(l.splat(x), l.splat(y), l.splat(z))
     }
 }
 
@@ -43,19 +68,10 @@ impl Leaves {
 pub(super) fn not_apart<L: Lanes>(
     l: L,
     leaves: &Leaves,
-    [a, b]: [&[Block; 3]; 2],
+    corners: [&[Block; 3]; 2],
     (lane, open): (usize, u32),
 ) -> u32 {
-    let [x, y, z] = leaves.offset;
-    let offset = V3(l.splat(x), l.splat(y), l.splat(z));
-    let nothing = V3(l.splat(0.0), l.splat(0.0), l.splat(0.0));
-    let (mut pa, mut pb) = ([nothing; 3], [nothing; 3]);
-    for corner in 0..3 {
-        pa[corner] = V3::load(l, &a[corner].0);
-        let [x, y, z] = &b[corner].0;
-        let one = V3(l.splat(x.0[lane]), l.splat(y.0[lane]), l.splat(z.0[lane]));
-        pb[corner] = one.add(l, offset);
-    }
+    let [pa, pb] = load(l, leaves, corners, lane);
     let (edges_a, edges_b) = (edges(l, &pa), edges(l, &pb));
     let mut open = open;
     open &= !separated(l, leaves, edges_b[0].cross(l, edges_b[1]), [&pa, &pb]);
@@ -74,6 +90,40 @@ pub(super) fn not_apart<L: Lanes>(
     open
 }
 
+/// The triangles of the first leaf, and triangle `lane` of the second in every lane, from the first's centre.
+#[inline(always)]
+pub(super) fn load<L: Lanes>(
+    l: L,
+    leaves: &Leaves,
+    [a, b]: [&[Block; 3]; 2],
+    lane: usize,
+) -> [[V3<L>; 3]; 2] {
+    let offset = leaves.offset_in_lanes(l);
+    let (mut of_a, mut of_b) = ([offset; 3], [offset; 3]);
+    for corner in 0..3 {
+        let [x, y, z] = &b[corner].0;
+        let one = V3(l.splat(x.0[lane]), l.splat(y.0[lane]), l.splat(z.0[lane]));
+        (of_a[corner], of_b[corner]) = (V3::load(l, &a[corner].0), one.add(l, offset));
+    }
+    [of_a, of_b]
+}
+
+/// The triangles of both leaves, from the first's centre.
+#[inline(always)]
+pub(super) fn load_rows<L: Lanes>(
+    l: L,
+    leaves: &Leaves,
+    [a, b]: [&[Block; 3]; 2],
+) -> [[V3<L>; 3]; 2] {
+    let offset = leaves.offset_in_lanes(l);
+    let (mut of_a, mut of_b) = ([offset; 3], [offset; 3]);
+    for corner in 0..3 {
+        of_a[corner] = V3::load(l, &a[corner].0);
+        of_b[corner] = V3::load(l, &b[corner].0).add(l, offset);
+    }
+    [of_a, of_b]
+}
+
 /// The lanes in which `d` separates the two triangles.
 #[inline(always)]
 fn separated<L: Lanes>(l: L, leaves: &Leaves, d: V3<L>, [a, b]: [&[V3<L>; 3]; 2]) -> u32 {
@@ -86,13 +136,15 @@ fn separated<L: Lanes>(l: L, leaves: &Leaves, d: V3<L>, [a, b]: [&[V3<L>; 3]; 2]
     l.bits(l.lt(bound, gap))
 }
 
+/// The least and the greatest height of corners along a direction.
 #[inline(always)]
-fn interval<L: Lanes>(l: L, d: V3<L>, points: &[V3<L>; 3]) -> [L::F; 2] {
+pub(super) fn interval<L: Lanes>(l: L, d: V3<L>, points: &[V3<L>; 3]) -> [L::F; 2] {
     let (x, y, z) = (d.dot(l, points[0]), d.dot(l, points[1]), d.dot(l, points[2]));
     [l.min(l.min(x, y), z), l.max(l.max(x, y), z)]
 }
 
+/// From each corner to the next.
 #[inline(always)]
-fn edges<L: Lanes>(l: L, [a, b, c]: &[V3<L>; 3]) -> [V3<L>; 3] {
+pub(super) fn edges<L: Lanes>(l: L, [a, b, c]: &[V3<L>; 3]) -> [V3<L>; 3] {
     [b.sub(l, *a), c.sub(l, *b), a.sub(l, *c)]
 }

@@ -3,6 +3,7 @@
 use super::{Accuracy, MeasureAt, check_margin, few_parts};
 use crate::closed;
 use crate::distance::{Distance, DistanceResult, distance, distance_at};
+use crate::mesh::Limited;
 use crate::{Method, PairSolver, PosedShape, Verdict, certified, mesh};
 use dcd_geom::{Aabb, Shape, ShapeError, Sphere};
 
@@ -116,24 +117,48 @@ pub(crate) fn distance_at_once(
         return None;
     }
     match (a.shape, b.shape) {
-        (Shape::Compound(_), Shape::Mesh(_)) | (Shape::Mesh(_), Shape::Compound(_)) => {
-            distance_of_mesh(at, a, b)
-        }
+        (Shape::Mesh(_), Shape::Compound(_) | Shape::Mesh(_))
+        | (Shape::Compound(_), Shape::Mesh(_)) => known(distance_of_mesh(at, [a, b], f64::MAX)?),
         (Shape::Compound(_), _) | (_, Shape::Compound(_)) => {
             few_parts::distance(at, [a, b]).map(DistanceResult::Apart)
         }
         (Shape::HalfSpace(_), _) | (_, Shape::HalfSpace(_)) => closed::level::distance(at, a, b),
-        (Shape::Mesh(_), _) | (_, Shape::Mesh(_)) => distance_of_mesh(at, a, b),
+        (Shape::Mesh(_), _) | (_, Shape::Mesh(_)) => known(distance_of_mesh(at, [a, b], f64::MAX)?),
         _ => closed::gap(at, a, b)?.distance(),
     }
 }
 
-/// The same of a mesh and a sphere; at the accuracy of f32 also of a mesh and another convex shape that is bounded, or a compound.
+/// The distance of a mesh and another shape that is bounded, where it is below `far`: metres.
+pub(crate) fn distance_of_mesh_within(
+    at: Accuracy,
+    [a, b]: [PosedShape<'_>; 2],
+    far: f64,
+) -> (Limited, Method) {
+    if at != Accuracy::Certified
+        && let Some(found) = distance_of_mesh(at, [a, b], far)
+    {
+        return (found, Method::F64);
+    }
+    let at = if at == Accuracy::F32 { Accuracy::F64 } else { at };
+    mesh::nearer_than((far, at), [a, b], &mut mesh::Scratch::default())
+}
+
+/// The same at the accuracies of f32 and f64 of a mesh and a sphere; at that of f32 also of a mesh and another one, another convex
+/// shape that is bounded, or a compound.
 #[inline(never)]
-fn distance_of_mesh(at: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
-    let of_sphere = closed::centred::distance(at, a, b);
-    let in_f32 = || if at == Accuracy::F32 { mesh::distance_in_f32(a, b) } else { None };
+fn distance_of_mesh(at: Accuracy, sides: [PosedShape<'_>; 2], far: f64) -> Option<Limited> {
+    let [a, b] = sides;
+    let of_sphere = closed::centred::distance(at, a, b).map(Limited::Known);
+    let in_f32 = || if at == Accuracy::F32 { mesh::distance_in_f32(sides, far) } else { None };
     of_sphere.or_else(in_f32)
+}
+
+/// What is known where every distance matters.
+fn known(found: Limited) -> Option<DistanceResult> {
+    match found {
+        Limited::Known(found) => Some(found),
+        Limited::Beyond => None,
+    }
 }
 
 /// The verdict on two shapes of that distance for a margin. Where the bounds leave it open, the exact methods

@@ -57,7 +57,9 @@ pub use within::Within;
 pub use crate::simd::CuboidPatch;
 
 pub(crate) use depths::{CERTIFIED, tolerance};
-pub(crate) use distances::{distance_at_once, spheres_are_apart, within_margin};
+pub(crate) use distances::{
+    distance_at_once, distance_of_mesh_within, spheres_are_apart, within_margin,
+};
 pub(crate) use few_parts::may_be_nearest;
 pub(crate) use manifold::{FACING, LEVEL, case_of};
 pub(crate) use within::grown;

@@ -13,15 +13,16 @@ use super::spheres::{self, MeasureSpheres, Near, NearPair};
 use super::{ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, PlacedSphere, distance_of_spheres, distance_within, spheres_are_beyond};
 use crate::distance::{DistanceResult, distance_at, of_apart};
+use crate::mesh::Limited;
 use crate::query::{
-    DistanceContacts, FEWEST_MEASURED, check_margin, distance_at_once, grown, spheres_are_apart,
-    within_margin,
+    DistanceContacts, FEWEST_MEASURED, check_margin, distance_at_once, distance_of_mesh_within,
+    grown, spheres_are_apart, within_margin,
 };
 use crate::{
     Accuracy, Contact, ContactList, ContactSink, Distance, Method, NarrowPhase, PosedShape,
     PosedSupport, Prepared, Report, Sides, Verdict, certified, mesh,
 };
-use dcd_geom::{Aabb, Pair, Scene, ShapeError};
+use dcd_geom::{Aabb, Pair, Scene, Shape, ShapeError};
 use dcd_simd::Path;
 use of_points::distance_of;
 use sorted::{Kind, Searched, Sorted};
@@ -35,7 +36,8 @@ use std::slice;
 /// with cuboids, are evaluated once in f64, with its bound. Of others the distance is that of the points there, of vertices
 /// in f32 unless the shapes are close, and the bound is what the lanes prove from below: some millionths of the pair's
 /// size. At the other accuracies the search goes on from them in f64 or longer numbers, with the bounds of these. Compounds
-/// are as far apart as their nearest parts, which the lanes look for. Shapes without a lane kernel, sizes outside f32's range, and pairs whose bound is too wide are measured one pair at a time.
+/// are as far apart as their nearest parts, which the lanes look for. Shapes without a lane kernel, sizes outside f32's range,
+/// and pairs whose bound is too wide are measured one pair at a time.
 ///
 /// Whether a pair with a distance within its bound of the margin is reported is decided exactly, of radii that are each grown by
 /// half of the margin and rounded to f64. The same bits on every path and at any number of threads, whatever the other
@@ -86,7 +88,18 @@ impl SimdDistances {
         if spheres_are_apart(a, b, self.margin) {
             return (Verdict::Apart, Method::F64);
         }
-        let (found, method) = distance_at(self.accuracy, a, b);
+        let is_mesh = |shape: &Shape| matches!(shape, Shape::Mesh(_));
+        let (found, method) = match is_mesh(a.shape) || is_mesh(b.shape) {
+            true if a.shape.is_bounded() && b.shape.is_bounded() => {
+                // More than rounding beyond the margin.
+                let far = self.margin * (1.0 + 1e-9) + f64::MIN_POSITIVE;
+                match distance_of_mesh_within(self.accuracy, [a, b], far) {
+                    (Limited::Known(found), method) => (found, method),
+                    (Limited::Beyond, method) => return (Verdict::Apart, method),
+                }
+            }
+            _ => distance_at(self.accuracy, a, b),
+        };
         (within_margin(found, self.margin, a, b), method)
     }
 

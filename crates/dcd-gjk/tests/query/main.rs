@@ -1,7 +1,6 @@
 //! Queries beyond yes or no.
 
 mod both_orders;
-mod compound_distances;
 mod crowds;
 mod degenerate;
 mod depths;
@@ -10,6 +9,7 @@ mod hardly_touching;
 mod lane_depths;
 mod manifold_points;
 mod manifolds;
+mod nearest_parts;
 mod patches;
 mod proximity;
 mod ranks;

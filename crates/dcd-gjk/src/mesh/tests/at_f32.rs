@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::distance::{Distance, distance_at};
+use crate::mesh::Limited;
 use crate::query::{Accuracy, MeasureAt};
 use crate::{Depths, closed};
 
@@ -62,11 +63,19 @@ pub(super) fn pose(draw: &mut Draw, round: usize, far: DVec3) -> Pose {
     Pose::from_matrix(turn, pose.translation() + far).unwrap()
 }
 
+/// What is found of a mesh in f32.
+fn in_f32(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
+    match crate::mesh::distance_in_f32([a, b], f64::MAX)? {
+        Limited::Known(found) => Some(found),
+        Limited::Beyond => None,
+    }
+}
+
 /// What is found at once.
 fn at_once(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
     closed::level::distance(Accuracy::F32, a, b)
         .or_else(|| closed::centred::distance(Accuracy::F32, a, b))
-        .or_else(|| crate::mesh::distance_in_f32(a, b))
+        .or_else(|| in_f32(a, b))
 }
 
 fn check_distance(what: &str, found: &Distance, best: &Distance, sides: [PosedShape<'_>; 2]) {
