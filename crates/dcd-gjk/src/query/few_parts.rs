@@ -18,13 +18,13 @@ pub(crate) use candidates::may_be_nearest;
 pub(super) use candidates::touching;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Part, Polytope, Pose, Shape, SupportMap};
-use dcd_simd::ArrayVec;
 pub(super) use framed::Framed;
 use slab::Slab;
 use std::cell::OnceCell;
 
-/// The most parts of one shape, those of two make 64 pairs. More: the tree over them is quicker.
-pub(super) const MOST: usize = 8;
+/// The most parts of one shape, those of two make 1,024 pairs, each of which takes a comparison of spheres. More: the tree over them
+/// is quicker.
+pub(super) const MOST: usize = 32;
 
 /// What moving a part to its place twice, or by a product of poses, loses. Unit: u of the part's reach and its place.
 /// Derived: 32.
@@ -195,16 +195,14 @@ impl<'a> Parts<'a> {
         Some(())
     }
 
-    /// Whether pairs with others of which it is true have a formula, nearly all.
-    fn have_formulas(&self) -> bool {
-        use Kind::{Cuboid, Point, Segment, Triangle};
-        self.all().all(|(_, part)| match part.shape() {
-            Shape::Polytope(polytope) => {
-                matches!(polytope.kind(), Point | Segment | Triangle | Cuboid { .. })
-            }
-            Shape::HalfSpace(_) => true,
-            _ => false,
-        })
+    /// How many have no formula with each other, and with most others one; `None` where some have none.
+    fn count_hulls(&self) -> Option<usize> {
+        let is_hull = |(_, part): (u32, &Placed<'_>)| match part.shape() {
+            Shape::Polytope(polytope) => Some(polytope.kind() == Kind::Hull),
+            Shape::HalfSpace(_) => Some(false),
+            _ => None,
+        };
+        self.all().map(is_hull).try_fold(0, |count, is_one| Some(count + usize::from(is_one?)))
     }
 
     /// With their numbers.
@@ -316,11 +314,13 @@ impl<'a> Couple<'a> {
         Some(())
     }
 
-    /// The same; `None` also of parts of which nearly all pairs need a search. The bounds that are known of placed parts
-    /// spare more of these than given parts are quicker.
+    /// The same; `None` also of parts of which more than a quarter of the pairs need a search. The bounds that are known of placed
+    /// parts spare more of these than given parts are quicker.
     pub(super) fn fill(&mut self, framed: &'a Framed<'_>) -> Option<()> {
         self.take(framed)?;
-        (self.a.have_formulas() && self.b.have_formulas()).then_some(())
+        let searched = self.a.count_hulls()? * self.b.count_hulls()?;
+        let all = self.a.all().count() * self.b.all().count();
+        (4 * searched <= all).then_some(())
     }
 
     /// Finds the pairs of parts that touch, by index, each with its depth from the first to the second. `None` where that
@@ -428,7 +428,7 @@ impl Couple<'_> {
         at: Accuracy,
         mut met: impl FnMut([u32; 2], [PosedShape<'_>; 2], Distance) -> Option<f64>,
     ) -> Option<()> {
-        let mut gaps = ArrayVec::<_, { MOST * MOST }>::new();
+        let mut gaps = Vec::with_capacity(self.a.all().count() * self.b.all().count());
         for (j, part_a) in self.a.all() {
             let gap = |(k, part_b)| (part_a.gap(part_b) - self.lost, [j, k], [part_a, part_b]);
             gaps.extend(self.b.all().map(gap));

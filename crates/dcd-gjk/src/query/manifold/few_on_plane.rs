@@ -17,6 +17,9 @@ use dcd_geom::glam::{DVec2, DVec3};
 use dcd_geom::{Pose, Shape, SupportMap};
 use dcd_simd::ArrayVec;
 
+/// The most parts. More: corners that are written to be sorted out.
+const MOST: usize = 16;
+
 /// A corner of a part that is not above the plane.
 #[derive(Clone, Copy, Default)]
 struct Corner {
@@ -47,7 +50,7 @@ impl Spot for Corner {
 
 /// The parts of a compound that touch a half-space.
 struct Below {
-    corners: ArrayVec<Corner, { few_parts::MOST * CORNERS }>,
+    corners: ArrayVec<Corner, { MOST * CORNERS }>,
     /// Square to the normal, in the compound's frame.
     axes: (DVec3, DVec3),
     /// The deepest part, how deep it is, and what that may be off by: another may be deeper by its own bound.
@@ -64,7 +67,7 @@ struct Below {
 pub(super) fn write(at: Accuracy, [a, b]: [PosedShape<'_>; 2], found: &mut Manifold) -> Option<()> {
     let (Shape::Compound(compound), Shape::HalfSpace(_)) = (a.shape, b.shape) else { return None };
     let parts = compound.parts();
-    if parts.len() > few_parts::MOST {
+    if parts.len() > MOST {
         return None;
     }
     let plane = PlaneInFrame::of(at, b, a.pose)?;
