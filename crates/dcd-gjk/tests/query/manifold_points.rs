@@ -345,3 +345,43 @@ fn points_of_shapes_far_from_their_own_origin_are_within_their_bound() {
     }
     assert!(judged > 1_000, "{judged}");
 }
+
+#[test]
+fn points_of_a_needle_on_a_large_ball_differ_by_the_depth_within_their_bound() {
+    let mut draw = Draw::seeded(41);
+    let ball = Shape::sphere(1e4).unwrap();
+    let mut touching = 0;
+    for round in 0..600 {
+        let corners = (0..3 + round % 3).map(|_| {
+            let step = |steps: f64, draw: &mut Draw| (draw.unit() * steps).round();
+            DVec3::new(
+                step(8.0, &mut draw) / 8.0,
+                step(4.0, &mut draw) * 1e-4,
+                step(4.0, &mut draw) * 1e-4,
+            )
+        });
+        let Ok(needle) = Shape::hull(corners.collect()) else { continue };
+        let place = Pose::from_translation(DVec3::NEG_Z * (1e4 - 1e-4 * f64::from(round % 10)));
+        let place = place.unwrap();
+        let a = PosedShape { shape: &needle, pose: &Pose::IDENTITY };
+        let b = PosedShape { shape: &ball, pose: &place };
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            let solver = Manifolds::default();
+            let found = solver.measure_at(accuracy, a, b, &mut Default::default());
+            let Verdict::Touching(set) = found else { continue };
+            touching += 1;
+            for manifold in set.iter() {
+                for point in manifold.points() {
+                    let between = point.point_a - point.point_b - manifold.normal * point.depth;
+                    // Of world coordinates of 1e4 m.
+                    let bound = manifold.error_bound + 1e-11;
+                    assert!(
+                        between.length() <= bound,
+                        "{round} {accuracy:?} {between} {manifold:?}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(touching > 900, "{touching}");
+}

@@ -60,23 +60,14 @@ pub(super) fn turned_by(
     TURNED * deviation * (size + (radius_a + radius_b) + depth.depth)
 }
 
-/// The same of a manifold that is the witnesses of the depth alone, with what these lack of the depth along the normal.
+/// The same of a manifold that is the witnesses of the depth alone, with what these miss of differing by it along the normal.
 ///
-/// Those of polytopes are of their surfaces, however far they are beside each other. Those of a cylinder, cone or foreign
-/// shape are on chords of its surface: inside by no more than what their difference lacks of the depth, for all of a shape is
-/// on one side of its plane there.
+/// Those of polytopes are of their surfaces. Those of a cylinder, cone or foreign shape are on chords of its surface: inside by no
+/// more than what their difference lacks of the depth, for all of a shape is on one side of its plane there.
 pub(super) fn bound_of_witnesses(depth: &Depth, size: f64, sides: [PosedShape<'_>; 2]) -> f64 {
-    let are_polytopes = sides.iter().all(|side| side.shape.as_polytope().is_some());
-    let lacking = if are_polytopes { missed_along(depth) } else { missed(depth) };
     let far = sides.iter().map(|side| extent(side.shape)[0]).sum::<f64>();
     let off = if far > FAR * size { 2.0 * depth.error_bound } else { 0.0 };
-    (bound_of(depth, size, sides) + lacking + off).min(f64::MAX)
-}
-
-/// How far the witnesses of a depth are from differing by it along its normal, metres: where cores hardly overlap, the
-/// nearest points of a search in f64 are apart, and the depth is how far the shapes reach.
-fn missed_along(depth: &Depth) -> f64 {
-    ((depth.point_a - depth.point_b).dot(depth.normal) - depth.depth).abs()
+    (bound_of(depth, size, sides) + missed(depth) + off).min(f64::MAX)
 }
 
 /// How far the witnesses of a depth are from differing by it, metres.
