@@ -61,7 +61,7 @@ const ACCURACIES: [(&str, Accuracy); 3] =
     [("f32", Accuracy::F32), ("f64", Accuracy::F64), ("certified", Accuracy::Certified)];
 
 /// Drawn numbers (splitmix64).
-struct Draw(u64);
+pub(crate) struct Draw(pub(crate) u64);
 
 impl Draw {
     /// In [0, 1).
@@ -76,19 +76,24 @@ impl Draw {
         low + (high - low) * self.unit()
     }
 
-    fn vector(&mut self) -> DVec3 {
+    pub(crate) fn vector(&mut self) -> DVec3 {
         DVec3::new(self.between(-1.0, 1.0), self.between(-1.0, 1.0), self.between(-1.0, 1.0))
     }
 
-    fn pose(&mut self, reach: f64) -> Result<Pose> {
+    pub(crate) fn pose(&mut self, reach: f64) -> Result<Pose> {
         let turn = DQuat::from_vec4(self.vector().extend(self.between(-1.0, 1.0))).normalize();
         Ok(Pose::new(turn, self.vector() * reach)?)
     }
 
-    fn shape(&mut self, kind: usize) -> Result<Shape> {
+    pub(crate) fn half_extents(&mut self) -> DVec3 {
         let mut extent = || self.between(0.2, 0.5);
-        let half = DVec3::new(extent(), extent(), extent());
-        Ok(match KINDS[kind] {
+        DVec3::new(extent(), extent(), extent())
+    }
+
+    /// A shape of that kind, one of [`KINDS`].
+    pub(crate) fn named(&mut self, kind: &str) -> Result<Shape> {
+        let half = self.half_extents();
+        Ok(match kind {
             "sphere" => Shape::sphere(half.x)?,
             "capsule" => Shape::capsule(half.x, half.y * 0.6)?,
             "cuboid" => Shape::cuboid(half)?,
@@ -135,7 +140,7 @@ fn scene(kinds: [usize; 2], touching: bool, count: usize, seed: u64) -> Result<S
         if shapes.len() == 2 * count {
             break;
         }
-        let [a, b] = [draw.shape(kinds[0])?, draw.shape(kinds[1])?];
+        let [a, b] = [draw.named(KINDS[kinds[0]])?, draw.named(KINDS[kinds[1]])?];
         let [at_a, at_b] = [draw.pose(0.5)?, draw.pose(0.5)?];
         let (in_a, in_b) =
             (PosedShape { shape: &a, pose: &at_a }, PosedShape { shape: &b, pose: &at_b });

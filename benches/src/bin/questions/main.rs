@@ -8,6 +8,7 @@
 mod contest;
 mod kinds;
 mod parry;
+mod scattered;
 mod show;
 mod subject;
 
@@ -28,7 +29,8 @@ use subject::Subject;
 struct Line {
     #[command(flatten)]
     options: Options,
-    /// One scene [default: eleven; pile, hulls at rest on each other; and terrain, a mesh under many bodies]
+    /// One scene [default: eleven; pile, hulls at rest on each other; terrain, a mesh under many bodies; and six
+    /// of one kind of shape: capsules, cylinders, compounds, large-compounds, decompositions, meshes]
     #[arg(long)]
     scene: Option<String>,
     /// Objects

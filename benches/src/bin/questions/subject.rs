@@ -6,6 +6,7 @@ use dcd_geom::Scene;
 use dcd_scenes::SceneSpec;
 
 use crate::contest::Kind;
+use crate::scattered::Scattered;
 
 /// The seeded scenes, each with its objects in full and with --quick: those whose shapes Parry has too.
 const SCENES: [(&str, usize, usize); 11] = [
@@ -25,6 +26,9 @@ const SCENES: [(&str, usize, usize); 11] = [
 /// Hulls that have come to rest on a slab and on each other.
 const PILE: (&str, usize, usize) = ("pile", 2000, 200);
 
+/// Of every kind of [`Scattered`].
+const SCATTERED: (&str, usize, usize) = ("", 2000, 200);
+
 /// A mesh under so many bodies.
 const TERRAIN: (&str, usize, usize) = ("terrain", 2000, 500);
 
@@ -36,6 +40,7 @@ pub(crate) enum Subject {
     Seeded(SceneSpec),
     Pile { hulls: usize, seed: u64 },
     Terrain { bodies: usize, seed: u64 },
+    Scattered { of: Scattered, objects: usize, seed: u64 },
 }
 
 impl Subject {
@@ -53,6 +58,8 @@ impl Subject {
         let seed = options.seed;
         found.push(Self::Pile { hulls: objects(PILE, options), seed });
         found.push(Self::Terrain { bodies: objects(TERRAIN, options), seed });
+        let objects = objects(SCATTERED, options);
+        found.extend(Scattered::ALL.map(|of| Self::Scattered { of, objects, seed }));
         (found, absent)
     }
 
@@ -60,6 +67,9 @@ impl Subject {
     pub(crate) fn named(name: &str, count: Option<usize>, options: &Options) -> Result<Self> {
         let seed = options.seed;
         let or_usual = |sized| count.unwrap_or(objects(sized, options));
+        if let Some(of) = Scattered::ALL.into_iter().find(|of| of.name() == name) {
+            return Ok(Self::Scattered { of, objects: or_usual(SCATTERED), seed });
+        }
         Ok(match name {
             _ if name == PILE.0 => Self::Pile { hulls: or_usual(PILE), seed },
             _ if name == TERRAIN.0 => Self::Terrain { bodies: or_usual(TERRAIN), seed },
@@ -79,6 +89,7 @@ impl Subject {
             Self::Seeded(spec) => spec.name(),
             Self::Pile { .. } => PILE.0,
             Self::Terrain { .. } => TERRAIN.0,
+            Self::Scattered { of, .. } => of.name(),
         }
     }
 
@@ -88,6 +99,7 @@ impl Subject {
             Self::Seeded(spec) => spec.objects,
             Self::Pile { hulls, .. } => *hulls,
             Self::Terrain { bodies, .. } => *bodies,
+            Self::Scattered { objects, .. } => *objects,
         };
         format!("{}/N={objects}", self.name())
     }
@@ -105,6 +117,7 @@ impl Subject {
             Self::Seeded(spec) => draw(&spec)?,
             Self::Pile { hulls, seed } => FallingPile::after(FALLING, hulls, seed)?.scene().clone(),
             Self::Terrain { bodies, seed } => dcd_scenes::terrain(bodies, seed)?,
+            Self::Scattered { of, objects, seed } => of.scene(objects, seed)?,
         })
     }
 }

@@ -143,14 +143,15 @@ impl PartPair<'_> {
         found.map(|found| *self.depth.get_or_init(|| found))
     }
 
-    /// What a solver of two convex shapes says of it.
+    /// What a solver of two convex shapes says of it. It is asked in the order of the wholes: equal parts at one place have none.
     pub(crate) fn measured_by(
         &self,
         [a, b]: [PosedShape<'_>; 2],
         measure: impl FnOnce([PosedShape<'_>; 2]) -> Verdict<Depth>,
     ) -> Verdict<Depth> {
         // Checked corners are finite, and a hull of three is never refused.
-        self.posed(a, b).map_or(Verdict::Undecided(Reason::Range), measure)
+        let Some([a, b]) = self.posed(a, b) else { return Verdict::Undecided(Reason::Range) };
+        if self.swapped { measure([b, a]).map(Depth::mirrored) } else { measure([a, b]) }
     }
 
     /// It is known to be at most so deep, metres: the same for (a, b) and (b, a).

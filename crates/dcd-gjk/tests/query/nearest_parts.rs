@@ -1,11 +1,16 @@
-//! How far compounds and meshes are apart, against the distances of all pairs of their parts.
+//! How far compounds and meshes are apart and how deep compounds overlap, against all pairs of their parts.
 
+use super::PosedSupport;
+use super::patches::judge_at;
 use super::scenes::{Draw, all_pairs, in_both_orders};
 use super::within::found;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Object, Pair, Pose, Scene, Shape};
 use dcd_gjk::query::MeasureAt;
-use dcd_gjk::{Accuracy, Contact, Distance, Distances, PosedShape, SimdDistances, Verdict};
+use dcd_gjk::{
+    Accuracy, Contact, Depths, Distance, Distances, Manifolds, PosedShape, SimdDepths,
+    SimdDistances, Verdict, certified,
+};
 use dcd_simd::Path;
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
@@ -218,4 +223,84 @@ fn meshes_are_as_far_apart_as_their_nearest_triangles() {
         }
     }
     assert!(measured > 1_000 && worst < 1e-4, "{measured} {worst}");
+}
+
+/// The greatest depth of all pairs of parts that touch, and what bounds it; `None` where it is not known whether one does.
+fn deepest(scene: &Scene, pair: Pair) -> Option<[f64; 2]> {
+    let [i, j] = [pair.i, pair.j].map(|k| k as usize);
+    let (of_a, of_b) = (parts(scene.shape(i)), parts(scene.shape(j)));
+    let mut most = [0.0f64; 2];
+    for a in &of_a {
+        for b in &of_b {
+            let a = PosedShape { shape: a, pose: &scene.poses()[i] };
+            let b = PosedShape { shape: b, pose: &scene.poses()[j] };
+            match certified::overlap_of(a, b).0 {
+                Verdict::Apart => continue,
+                Verdict::Undecided(_) => return None,
+                Verdict::Touching(()) => {}
+            }
+            let Verdict::Touching(found) =
+                Depths.measure_at(Accuracy::Certified, a, b, &mut Default::default())
+            else {
+                return None;
+            };
+            let [lower, upper] = [-1.0, 1.0].map(|sign| found.depth + sign * found.error_bound);
+            most = [most[0].max(lower), most[1].max(upper)];
+        }
+    }
+    Some(most)
+}
+
+#[test]
+fn compounds_are_as_deep_as_their_deepest_parts() {
+    let mut draw = Draw::seeded(33);
+    let mut measured = 0;
+    for round in 0..9 {
+        let (is_lattice, most) = (round % 3 == 0, [4.0, 12.0, 31.0][round / 3]);
+        let shapes: Vec<_> = compounds(&mut draw, is_lattice, most).into_iter().take(20).collect();
+        let scenes = scenes(&mut draw, shapes, is_lattice, 1.3);
+        let (objects, pairs) = (scenes[0].len() as u32, all_pairs(scenes[0].len() as u32));
+        let truth: Vec<_> = pairs.iter().map(|&pair| deepest(&scenes[0], pair)).collect();
+        for accuracy in ACCURACIES {
+            let said = format!("round {round}, {accuracy:?}");
+            let depths = SimdDepths::new(Depths, accuracy);
+            let [ones, others] = scenes.each_ref().map(|scene| found(&depths, scene, &pairs).0);
+            assert_eq!(ones.len(), others.len(), "{said}");
+            for one in &ones {
+                let pair = Pair::new(objects - 1 - one.pair.j, objects - 1 - one.pair.i);
+                let other = others.iter().find(|other| other.pair == pair).unwrap().answer;
+                let one = one.answer;
+                assert_eq!(
+                    (one.depth, one.error_bound),
+                    (other.depth, other.error_bound),
+                    "{said}"
+                );
+                assert_eq!((one.point_a, one.normal), (other.point_b, -other.normal), "{said}");
+            }
+            let manifolds = SimdDepths::new(Manifolds::default(), accuracy);
+            let (sets, _) = found(&manifolds, &scenes[0], &pairs);
+            for ((&pair, truth), contact) in pairs.iter().zip(&truth).filter_map(|(pair, truth)| {
+                Some(((pair, truth.as_ref()?), ones.iter().find(|one| one.pair == *pair)?))
+            }) {
+                let (found, said) = (contact.answer, format!("{said} {pair:?} {truth:?}"));
+                let [lower, upper] = [-1.0, 1.0].map(|sign| found.depth + sign * found.error_bound);
+                assert!(lower <= truth[1] && truth[0] <= upper, "{said} {found:?}");
+                let set = sets.iter().find(|set| set.pair == pair).expect(&said);
+                let first = set.answer.first().expect(&said);
+                let off = (first.points()[0].depth - found.depth).abs();
+                assert!(off <= first.error_bound + found.error_bound, "{said} {found:?} {first:?}");
+                let posed = |k: u32| {
+                    let (shape, pose) =
+                        (scenes[0].shape(k as usize), scenes[0].poses()[k as usize]);
+                    PosedSupport { shape: shape.clone(), pose }
+                };
+                // Certified ones of parts that are equally deep but for rounding may be in either order.
+                if accuracy != Accuracy::Certified {
+                    judge_at(accuracy, &said, &set.answer, [&posed(pair.i), &posed(pair.j)]);
+                }
+                measured += 1;
+            }
+        }
+    }
+    assert!(measured > 300, "{measured}");
 }

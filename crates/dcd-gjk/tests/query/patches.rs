@@ -96,7 +96,7 @@ fn judge(what: &str, found: &ManifoldSet, a: &PosedSupport, b: &PosedSupport) ->
     judge_at(Accuracy::Certified, what, found, [a, b])
 }
 
-fn judge_at(
+pub(super) fn judge_at(
     accuracy: Accuracy,
     what: &str,
     found: &ManifoldSet,
