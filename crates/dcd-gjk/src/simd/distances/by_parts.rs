@@ -5,6 +5,7 @@
 use super::super::by_parts::part;
 use super::super::closed::{are_cuboids, nearest_features as of_cuboids};
 use super::super::expand::{Expand, Queue};
+use super::super::frame::FramePair;
 use super::super::nearest_points;
 use super::super::scene_pairs::ScenePairs;
 use super::of_points::distance_of;
@@ -43,7 +44,7 @@ pub(super) struct ByParts {
     rest: Gaps,
     /// Where the others of each question end that are looked at.
     ends: Vec<usize>,
-    lanes: Lanes,
+    lanes: PartLanes,
 }
 
 /// Pairs of parts, and what is known of each.
@@ -81,14 +82,31 @@ impl Gap {
 
 /// What the lanes work with.
 #[derive(Debug, Default)]
-struct Lanes {
+struct PartLanes {
     of_cuboids: of_cuboids::Scratch,
-    cuboids: Vec<Pair>,
-    /// The places of those among all pairs of parts.
-    cuboids_at: Vec<usize>,
+    cuboids: Listed,
     nearest: nearest_points::Scratch,
-    others: Vec<Pair>,
-    others_at: Vec<usize>,
+    others: Listed,
+}
+
+/// Some of the pairs of parts.
+#[derive(Debug, Default)]
+struct Listed {
+    pairs: Vec<Pair>,
+    /// Their places among all.
+    at: Vec<usize>,
+}
+
+impl Listed {
+    fn clear(&mut self) {
+        self.pairs.clear();
+        self.at.clear();
+    }
+
+    fn push(&mut self, at: usize, pair: Pair) {
+        self.pairs.push(pair);
+        self.at.push(at);
+    }
 }
 
 impl ByParts {
@@ -175,31 +193,34 @@ impl Gaps {
     }
 }
 
-impl Lanes {
-    /// Measures pairs of parts.
-    fn measure(&mut self, path: Path, (objects, margin): (ScenePairs<'_>, f64), all: &mut Gaps) {
-        let frames = objects.frames;
-        let Self { of_cuboids, cuboids, cuboids_at, nearest, others, others_at } = self;
-        let Gaps { pairs, numbers, gaps } = all;
-        (cuboids.clear(), cuboids_at.clear(), others.clear(), others_at.clear());
-        for (at, &pair) in pairs.iter().enumerate() {
+impl PartLanes {
+    /// Measures two spheres from their centres, and lists the others.
+    fn list(&mut self, frames: FramePair<'_>, Gaps { pairs, gaps, .. }: &mut Gaps) {
+        self.cuboids.clear();
+        self.others.clear();
+        for ((at, &pair), gap) in pairs.iter().enumerate().zip(gaps) {
             if let Some(spheres) = frames.spheres(pair) {
-                let found = distance_of_spheres(spheres, closed::AS_F64);
-                let distance = match found {
+                let distance = match distance_of_spheres(spheres, closed::AS_F64) {
                     Some(DistanceResult::Apart(distance)) => Some(distance),
                     _ => None,
                 };
-                gaps[at] = Gap::of(distance, gaps[at].lower);
+                *gap = Gap::of(distance, gap.lower);
             } else if are_cuboids(frames, pair) {
-                cuboids.push(pair);
-                cuboids_at.push(at);
+                self.cuboids.push(at, pair);
             } else {
-                others.push(pair);
-                others_at.push(at);
+                self.others.push(at, pair);
             }
         }
-        of_cuboids::find(path, frames, (cuboids, margin), of_cuboids);
-        for (&at, found) in cuboids_at.iter().zip(&of_cuboids.found) {
+    }
+
+    /// Measures pairs of parts.
+    fn measure(&mut self, path: Path, (objects, margin): (ScenePairs<'_>, f64), all: &mut Gaps) {
+        let frames = objects.frames;
+        self.list(frames, all);
+        let Self { of_cuboids, cuboids, nearest, others } = self;
+        let Gaps { pairs, numbers, gaps } = all;
+        of_cuboids::find(path, frames, (&cuboids.pairs, margin), of_cuboids);
+        for (&at, found) in cuboids.at.iter().zip(&of_cuboids.found) {
             gaps[at] = match found {
                 of_cuboids::Found::Beyond => Gap::BEYOND,
                 of_cuboids::Found::Unknown => gaps[at],
@@ -209,8 +230,8 @@ impl Lanes {
                 }
             };
         }
-        nearest_points::find(path, frames, (others, margin), nearest);
-        for (&at, found) in others_at.iter().zip(&nearest.found) {
+        nearest_points::find(path, frames, (&others.pairs, margin), nearest);
+        for (&at, found) in others.at.iter().zip(&nearest.found) {
             gaps[at] = match found {
                 nearest_points::Found::Beyond => Gap::BEYOND,
                 nearest_points::Found::Unknown => gaps[at],
