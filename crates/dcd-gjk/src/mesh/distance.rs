@@ -97,7 +97,10 @@ pub(crate) fn nearer_than(
         match nearest_parts([a, b], &relative, scratch, far) {
             Some(Left::Touching) => best.touching = true,
             Some(Left::Near(parts)) if parts.is_empty() => return (Limited::Beyond, Method::F64),
-            Some(Left::Near(parts)) => best.measure_all([a, b], parts),
+            Some(Left::Near(parts)) => {
+                best.is_sifted = true;
+                best.measure_all([a, b], parts);
+            }
             None => best = dispatch(NearestParts { a, b, relative: &relative, scratch, best }),
         }
     } else {
@@ -138,6 +141,8 @@ fn lowest_parts([first, second]: [&Side<'_>; 2]) -> Option<Vec<[u32; 2]>> {
 /// The best so far.
 struct Best {
     accuracy: Accuracy,
+    /// Whether f64 has left out all pairs that it proves to be farther than another.
+    is_sifted: bool,
     nearest: Option<Distance>,
     /// At most the true distance of any pair measured.
     lower: f64,
@@ -161,6 +166,7 @@ impl Best {
     fn at(accuracy: Accuracy) -> Self {
         Self {
             accuracy,
+            is_sifted: false,
             nearest: None,
             lower: 0.0,
             touching: false,
@@ -225,11 +231,11 @@ impl Best {
         Known::Some
     }
 
-    /// Whether f64 proves two parts farther apart than the nearest so far: not asked where f64 measures them.
+    /// Whether f64 proves two parts farther apart than the nearest so far: not asked where f64 measures them, or has
+    /// measured them.
     fn is_farther(&self, a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
-        let Some(nearest) = self.nearest.filter(|_| self.accuracy == Accuracy::Certified) else {
-            return false;
-        };
+        let asks = self.accuracy == Accuracy::Certified && !self.is_sifted;
+        let Some(nearest) = self.nearest.filter(|_| asks) else { return false };
         let is_bounded = a.shape.is_bounded() && b.shape.is_bounded();
         let apart =
             |found| matches!(found, DistanceResult::Apart(d) if d.lower() > nearest.distance);
