@@ -229,13 +229,22 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts an object in its slot, which is returned; the revisions are the caller's matter.
+    /// Puts an object in the slot that became free last or in a new one, which is returned; the revisions are the
+    /// caller's matter.
     pub(super) fn place(&mut self, object: Object) -> Result<u32, SceneError> {
         let slot = self.free.last().map_or(self.slots.len(), |&slot| slot as usize);
+        self.place_in(slot, object)?;
+        self.free.pop();
+        Ok(slot as u32)
+    }
+
+    /// Puts an object in a slot that holds none, or behind the last slot; the list of free slots and the revisions
+    /// are the caller's matter.
+    pub(super) fn place_in(&mut self, slot: usize, object: Object) -> Result<(), SceneError> {
         check_count("objects", slot)?;
         let Object { shape, pose, filter, motion, sensor, user_data } = object;
         check_reach(slot, self.known_shape(slot, shape)?, &pose)?;
-        if self.free.pop().is_some() {
+        if slot < self.slots.len() {
             self.shape_of[slot] = shape;
             self.poses[slot] = pose;
             self.filters[slot] = filter;
@@ -254,7 +263,7 @@ impl Scene {
         self.note_sensor(slot, sensor);
         self.filtered |= filter != Filter::ALL;
         *self.count_of(motion) += 1;
-        Ok(slot as u32)
+        Ok(())
     }
 
     pub(super) fn note_sensor(&mut self, slot: usize, sensor: bool) {

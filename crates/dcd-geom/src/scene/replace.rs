@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 impl Scene {
     /// Takes out the objects of all slots from `first` on and puts others there, in order, each with a shape of its
-    /// own: [`Object::shape`] is not read. Shapes behind the last that an object before names are dropped, memory
+    /// own: [`Object::shape`] is not read. Free slots before `first` stay free. Shapes behind the last that an object before names are dropped, memory
     /// is kept. Costs what comes and goes.
     ///
     /// # Errors
@@ -39,7 +39,7 @@ impl Scene {
         self.set_shapes_from(kept, objects.clone().map(|(shape, _)| shape.clone()));
         // Both were counted.
         for (shape, (_, object)) in (kept as u32..).zip(objects) {
-            self.place(Object { shape, ..object })?;
+            self.place_in(self.len(), Object { shape, ..object })?;
         }
         self.mark_replaced();
         Ok(())
@@ -69,8 +69,7 @@ impl Scene {
         if i < last {
             // What was there goes the same way; the last one takes its place.
             self.vacate(i);
-            self.free.push(i as u32);
-            self.place(moved)?;
+            self.place_in(i, moved)?;
         }
         if !self.shape_of.contains(&shape) {
             self.drop_shape(shape);
@@ -145,8 +144,7 @@ fn prefetch_shape(shape: &Shape) {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Filter, Pair, Pose};
-    use crate::{Object, Scene, Shape};
+    use crate::{Filter, Object, Pair, Pose, Scene, SceneError, Shape};
     use glam::DVec3;
 
     fn at(x: f64) -> Pose {
@@ -206,6 +204,26 @@ mod tests {
         assert!(error.contains('2'), "{error}");
         assert!(held.replace_from(3, []).is_err() && held.swap_remove(2usize).is_err());
         assert_same(&held, &scene(&[(1.0, 0.0), (2.0, 5.0)]));
+    }
+
+    #[test]
+    fn exchanged_objects_leave_free_slots_before_them_free() {
+        let mut held = scene(&[(1.0, 0.0), (2.0, 5.0), (3.0, 9.0), (4.0, 7.0)]);
+        let (gone, last) = (held.handle(0).unwrap(), held.handle(3).unwrap());
+        held.remove(gone).unwrap();
+        let small = sphere(0.5);
+        let news = [at(100.0), at(200.0), at(1e300)].map(|pose| (&small, Object::new(0, pose)));
+        let refused = held.replace_from(3, news).unwrap_err();
+        assert!(matches!(refused, SceneError::OutOfRange { object: 5, .. }), "{refused}");
+        assert!(held.len() == 4 && held.motion(0).is_none() && held.index_of(last).is_ok());
+        held.replace_from(3, news.into_iter().take(2)).unwrap();
+        assert_eq!((held.len(), held.object_count(), held.motion(0)), (5, 4, None));
+        assert_eq!(held.poses()[3..], [at(100.0), at(200.0)]);
+        assert!([gone, last].iter().all(|&handle| held.index_of(handle).is_err()));
+        // They are the next to be taken.
+        let next = held.insert(Object::new(0, at(0.0))).unwrap();
+        assert_eq!(held.index_of(next), Ok(0));
+        assert!(held.index_of(gone).is_err());
     }
 
     #[test]
