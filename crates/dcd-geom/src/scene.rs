@@ -3,6 +3,7 @@
 mod change;
 mod ignored;
 mod object;
+mod pair_set;
 mod replace;
 mod swept;
 #[cfg(test)]

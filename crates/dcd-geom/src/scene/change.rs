@@ -215,7 +215,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Takes [`Scene::ignore_pair`] back, if it was said, and [`Scene::ignore_among`] for this pair.
+    /// Takes [`Scene::ignore_pair`] back, if it was said, and [`Scene::ignore_among`] for this pair: the other pairs
+    /// of the group stay ignored.
     ///
     /// # Errors
     /// One of them is not there, or both are one.

@@ -1,27 +1,28 @@
 //! Ignored pairs, which are never reported.
 
+use super::pair_set::PairSet;
 use crate::Pair;
 
 /// In place of a group's number.
 const NO_GROUP: u32 = u32::MAX;
 
-/// A set of pairs of objects, as a sorted list for each object: most lists are empty, which one look finds.
-/// Objects that are all ignored with each other are a group, which takes a number an object however large
-/// it is.
+/// The ignored pairs of a scene. Objects that are all ignored with each other are a group, which takes a number an
+/// object however large it is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct IgnoredPairs {
+    /// Those that are ignored by themselves, in whichever groups their objects are.
+    pairs: PairSet,
     /// For each object its group; shorter than the scene where none has one.
     group_of: Vec<u32>,
     /// How many objects each group has.
     group_sizes: Vec<u32>,
-    /// For each object that has any, and for those before it, the others, ascending.
-    partners: Vec<Vec<u32>>,
-    count: usize,
+    /// Pairs of one group that it does not ignore; each is forgotten when one of its objects leaves the group.
+    exceptions: PairSet,
 }
 
 impl IgnoredPairs {
     pub(super) fn is_empty(&self) -> bool {
-        self.count == 0 && self.group_of.is_empty()
+        self.pairs.is_empty() && self.group_of.is_empty()
     }
 
     /// Makes these objects a group. They leave the groups that they were in.
@@ -46,6 +47,7 @@ impl IgnoredPairs {
         {
             *size -= 1;
             *group = NO_GROUP;
+            self.exceptions.forget(object);
         }
     }
 
@@ -56,13 +58,15 @@ impl IgnoredPairs {
     }
 
     #[inline]
-    pub(super) fn contains(&self, i: u32, j: u32) -> bool {
+    fn are_of_one_group(&self, i: u32, j: u32) -> bool {
         let group = self.group_at(i);
-        if group != NO_GROUP && group == self.group_at(j) {
-            return true;
-        }
-        let partners = self.partners.get(i as usize).map_or(&[][..], Vec::as_slice);
-        !partners.is_empty() && partners.binary_search(&j).is_ok()
+        group != NO_GROUP && group == self.group_at(j)
+    }
+
+    #[inline]
+    pub(super) fn contains(&self, i: u32, j: u32) -> bool {
+        (self.are_of_one_group(i, j) && !self.exceptions.contains(i, j))
+            || self.pairs.contains(i, j)
     }
 
     /// All of them, once each, ascending.
@@ -73,12 +77,13 @@ impl IgnoredPairs {
                 members.push(object);
             }
         }
-        let objects = self.partners.len().max(self.group_of.len()) as u32;
+        let objects = self.pairs.objects().max(self.group_of.len()) as u32;
         (0..objects).flat_map(move |i| {
             let later = |all: &[u32]| all[all.partition_point(|&j| j <= i)..].to_vec();
-            let mut others = later(self.partners.get(i as usize).map_or(&[][..], Vec::as_slice));
+            let mut others = later(self.pairs.partners(i));
             if let Some(members) = members.get(self.group_at(i) as usize) {
-                others.extend(later(members));
+                let members = later(members).into_iter();
+                others.extend(members.filter(|&j| !self.exceptions.contains(i, j)));
                 others.sort_unstable();
                 others.dedup();
             }
@@ -86,63 +91,30 @@ impl IgnoredPairs {
         })
     }
 
-    /// Makes the pairs of the group that both are in, if there is one, pairs by themselves.
-    fn ungroup(&mut self, i: u32, j: u32) {
-        let group = self.group_at(i);
-        if group == NO_GROUP || group != self.group_at(j) {
-            return;
-        }
-        let members: Vec<u32> =
-            (0..).zip(&self.group_of).filter(|(_, of)| **of == group).map(|(k, _)| k).collect();
-        members.iter().for_each(|&k| self.leave(k));
-        for (at, &a) in members.iter().enumerate() {
-            members[at + 1..].iter().for_each(|&b| self.insert(a, b));
-        }
-    }
-
     /// Adds the pair of two different objects.
     pub(super) fn insert(&mut self, i: u32, j: u32) {
-        let objects = i.max(j) as usize + 1;
-        if self.partners.len() < objects {
-            self.partners.resize_with(objects, Vec::new);
-        }
-        for (own, other) in [(i, j), (j, i)] {
-            let partners = &mut self.partners[own as usize];
-            if let Err(place) = partners.binary_search(&other) {
-                partners.insert(place, other);
-                self.count += usize::from(own < other);
-            }
-        }
+        self.pairs.insert(i, j);
     }
 
+    /// Takes a pair out, and out of the group that both are in, if there is one.
     pub(super) fn remove(&mut self, i: u32, j: u32) {
-        self.ungroup(i, j);
-        for (own, other) in [(i, j), (j, i)] {
-            let Some(partners) = self.partners.get_mut(own as usize) else { continue };
-            if let Ok(place) = partners.binary_search(&other) {
-                partners.remove(place);
-                self.count -= usize::from(own < other);
-            }
+        self.pairs.remove(i, j);
+        if self.are_of_one_group(i, j) {
+            self.exceptions.insert(i, j);
         }
     }
 
     /// Removes every pair of object `i`.
     pub(super) fn forget(&mut self, i: u32) {
         self.leave(i);
-        let partners = self.partners.get_mut(i as usize).map(std::mem::take).unwrap_or_default();
-        self.count -= partners.len();
-        for other in partners {
-            let others = &mut self.partners[other as usize];
-            if let Ok(place) = others.binary_search(&i) {
-                others.remove(place);
-            }
-        }
+        self.pairs.forget(i);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeSet;
 
     #[test]
     fn a_pair_is_known_in_both_orders_until_it_is_taken_back() {
@@ -187,11 +159,71 @@ mod tests {
         // One pair taken back, the others stay.
         ignored.remove(1, 4);
         assert_eq!(pairs(&ignored), [(1, 2), (2, 3), (2, 4)]);
+        // 2 leaves the group of 4; their pair stays, for it is ignored by itself too.
+        ignored.insert(2, 4);
         ignored.group(&[0, 1, 2]);
         ignored.forget(1);
         assert_eq!(pairs(&ignored), [(0, 2), (2, 3), (2, 4)]);
         let all: Vec<u32> = (0..100_000).collect();
         ignored.group(&all);
-        assert!(ignored.contains(5, 99_999) && ignored.partners.len() < 10);
+        assert!(ignored.contains(5, 99_999) && ignored.pairs.objects() < 10);
+    }
+
+    /// The naive version: a set of the pairs that are ignored by themselves, then one of all pairs for each group.
+    struct Listed(Vec<BTreeSet<(u32, u32)>>);
+
+    impl Listed {
+        fn keep(&mut self, skip: usize, stays: impl Fn(u32, u32) -> bool) {
+            self.0.iter_mut().skip(skip).for_each(|set| set.retain(|&(i, j)| stays(i, j)));
+        }
+
+        fn group(&mut self, objects: &[u32]) {
+            self.keep(1, |i, j| !objects.contains(&i) && !objects.contains(&j));
+            let pairs = objects.iter().flat_map(|&i| objects.iter().map(move |&j| (i, j)));
+            self.0.push(pairs.filter(|(i, j)| i < j).collect());
+        }
+    }
+
+    #[test]
+    fn random_calls_ignore_the_pairs_that_lists_of_them_have() {
+        const OBJECTS: u32 = 7;
+        for seed in 0..200u64 {
+            let mut state = seed;
+            let mut below = |count: u32| {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                (state >> 33) as u32 % count
+            };
+            let (mut ignored, mut listed) =
+                (IgnoredPairs::default(), Listed(vec![BTreeSet::new()]));
+            for _ in 0..60 {
+                let (i, j) = (below(OBJECTS), below(OBJECTS));
+                match below(6) {
+                    0 => {
+                        let objects: Vec<u32> = (0..2 + below(3)).map(|_| below(OBJECTS)).collect();
+                        ignored.group(&objects);
+                        listed.group(&objects);
+                    }
+                    1 => {
+                        ignored.forget(i);
+                        listed.keep(0, |a, b| a != i && b != i);
+                    }
+                    2 if i != j => {
+                        ignored.insert(i, j);
+                        listed.0[0].insert((i.min(j), i.max(j)));
+                    }
+                    _ if i != j => {
+                        ignored.remove(i, j);
+                        listed.keep(0, |a, b| (a, b) != (i.min(j), i.max(j)));
+                    }
+                    _ => {}
+                }
+                let due: BTreeSet<(u32, u32)> = listed.0.iter().flatten().copied().collect();
+                assert!(ignored.iter().map(<(u32, u32)>::from).eq(due.iter().copied()), "{seed}");
+                let known = |(i, j)| ignored.contains(i, j) && ignored.contains(j, i);
+                assert!(
+                    (0..OBJECTS).all(|i| (0..i).all(|j| known((j, i)) == due.contains(&(j, i))))
+                );
+            }
+        }
     }
 }

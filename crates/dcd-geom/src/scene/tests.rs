@@ -115,6 +115,20 @@ fn an_ignored_pair_may_not_pair_until_it_is_unignored_or_an_object_leaves() {
 }
 
 #[test]
+fn an_object_is_in_the_last_group_that_names_it_whichever_pairs_are_taken_back() {
+    let mut scene = row();
+    scene.ignore_among(&[0, 1, 2]).unwrap();
+    scene.unignore_pair(0, 1).unwrap();
+    assert!(scene.allows(0, 1) && !scene.allows(0, 2) && !scene.allows(1, 2));
+    scene.ignore_among(&[2, 3]).unwrap();
+    assert!(scene.allows(0, 2) && scene.allows(1, 2) && !scene.allows(2, 3));
+    assert!(scene.ignored_pairs().eq([crate::Pair::new(2, 3)]));
+    // A new group ignores all of its pairs.
+    scene.ignore_among(&[0, 1]).unwrap();
+    assert!(!scene.allows(0, 1) && !scene.allows(2, 3));
+}
+
+#[test]
 fn a_revision_changes_with_what_it_marks_and_with_nothing_else() {
     let mut scene = row();
     let copy = scene.clone();
