@@ -59,7 +59,7 @@ impl<N: NarrowPhase> PairDecider<N> {
     }
 
     /// Reports what is not proved apart: contacts with obstacles, then of links, then the undecided pairs.
-    /// `pose(configuration, link)` is called once for each link of a candidate.
+    /// `pose(configuration, link)` is called once for each configuration and link that a candidate names.
     ///
     /// # Errors
     /// More objects than a u32 counts; a candidate of a configuration, a link or an obstacle that is not
@@ -82,7 +82,7 @@ impl<N: NarrowPhase> Scratch<N> {
         &mut self,
         (world, rows): (&Obstacles<N>, &LinkRows),
         candidates: &[Candidate],
-        mut pose: impl FnMut(usize, usize) -> Pose,
+        pose: impl FnMut(usize, usize) -> Pose,
         mut hits: impl FnMut(Hit<N::Answer>),
     ) -> Result<(), SceneError> {
         let links = rows.link_set.len();
@@ -101,11 +101,8 @@ impl<N: NarrowPhase> Scratch<N> {
                 self.due[other as usize].add(configuration);
             }
         }
-        if let Some(refused) = self.posed.place(&world.narrow, rows, &self.due, &mut pose) {
-            let (configuration, link) = (refused / links, refused % links);
-            let reach = rows.link_set.shapes[link].reach();
-            let reach = reach + pose(configuration, link).translation().length();
-            return Err(SceneError::OutOfRange { object: refused, reach });
+        if let Some((_, error)) = self.posed.place(&world.narrow, rows, &self.due, pose) {
+            return Err(error);
         }
         self.list(world, candidates);
         self.decisions.decide(world, &self.posed);

@@ -3,11 +3,11 @@
 use super::Obstacles;
 use super::checker::BatchChecker;
 use super::culling::Culling;
-use super::rows::LinkRows;
+use super::rows::{LinkRows, numbered};
 use super::set::{Members, ROW, Set};
 use crate::moving_ranges::for_each_range;
 use dcd_broad::IdentifiedAabbs;
-use dcd_geom::{Aabb, Pair, Pose, Scene};
+use dcd_geom::{Aabb, Pair, Pose, Scene, SceneError};
 use dcd_gjk::{NarrowPhase, Prepared, Sides};
 use std::ops::Range;
 
@@ -81,17 +81,18 @@ impl<N: NarrowPhase> PosedLinks<N> {
         self.configurations[object as usize] as usize
     }
 
-    /// Poses and prepares what is due and not yet posed, at `pose(configuration, link)`. Returns the number of the
-    /// first refused pose, configuration by configuration.
+    /// Poses and prepares what is due and not yet posed, at `pose(configuration, link)`, which is called once for
+    /// each. Returns the first refused pose, configuration by configuration: its number, and the error, which numbers
+    /// it too.
     pub(super) fn place(
         &mut self,
         narrow: &N,
         rows: &LinkRows,
         due: &[Set],
         mut pose: impl FnMut(usize, usize) -> Pose,
-    ) -> Option<usize> {
+    ) -> Option<(usize, SceneError)> {
         let links = rows.link_set.len();
-        let mut refused: Option<usize> = None;
+        let mut refused: Option<(usize, SceneError)> = None;
         for (link, &due) in due.iter().enumerate() {
             let due = due & !self.posed[link];
             // Of a state alone few links are: counting the others' members would cost as much as posing one.
@@ -102,9 +103,11 @@ impl<N: NarrowPhase> PosedLinks<N> {
             let first = rows.row * link + self.posed[link].len();
             let mut object = first;
             for config in Members::of(due) {
-                if self.scene.set_pose(object, pose(config, link)).is_err() {
+                if let Err(error) = self.scene.set_pose(object, pose(config, link)) {
                     let number = config * links + link;
-                    refused = Some(refused.map_or(number, |first| first.min(number)));
+                    if refused.is_none_or(|(first, _)| number < first) {
+                        refused = Some((number, numbered(error, number)));
+                    }
                     continue;
                 }
                 self.posed[link].add(config);

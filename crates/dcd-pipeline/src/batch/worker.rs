@@ -106,7 +106,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         let pose = |config, link| row[config * links + link];
         self.posed
             .place(&checker.world.narrow, &checker.rows, &self.due, pose)
-            .map(|pose| first + pose)
+            .map(|(pose, _)| first + pose)
     }
 
     /// Appends all hits, configuration by configuration.

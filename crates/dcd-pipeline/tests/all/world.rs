@@ -9,7 +9,8 @@ use dcd_gjk::{
     Verdict, Within,
 };
 use dcd_pipeline::{
-    BatchChecker, Hit, LinkSet, NarrowPhase, Other, Overlap, Par, Pipeline, StaticWorld,
+    BatchChecker, Candidate, Hit, LinkSet, NarrowPhase, Other, Overlap, PairDecider, Par, Pipeline,
+    StaticWorld,
 };
 use dcd_scenes::SceneSpec;
 
@@ -244,6 +245,30 @@ fn a_link_that_is_out_of_range_unmoved_is_refused_by_its_number() {
         matches!(refused, Err(SceneError::OutOfRange { object: 1, reach }) if reach >= 1e300),
         "{refused:?}"
     );
+}
+
+#[test]
+fn a_decider_asks_for_each_pose_once_and_refuses_it_as_a_scene_does() {
+    let world = StaticWorld::new(&obstacles(), Overlap::default(), Par::Serial).unwrap();
+    let sphere = Shape::sphere(1.0).unwrap();
+    let decider: PairDecider = PairDecider::new(LinkSet::new(vec![sphere; 2]), 4).unwrap();
+    let of = |configuration| Candidate { configuration, link: 1, other: Other::Link(0) };
+    let far = Pose::from_translation(DVec3::splat(1e300)).unwrap();
+    for refused in [vec![], vec![(2, 1)], vec![(1, 1), (2, 0)]] {
+        let mut posed = Vec::new();
+        let pose = |configuration, link| {
+            posed.push((configuration, link));
+            if refused.contains(&(configuration, link)) { far } else { Pose::IDENTITY }
+        };
+        let mut hits = 0;
+        let found = decider.decide(&world, &[of(1), of(2)], pose, |_| hits += 1);
+        posed.sort_unstable();
+        assert_eq!(posed, [(1, 0), (1, 1), (2, 0), (2, 1)]);
+        // By configuration · links + link, with its largest coordinate and the radius.
+        let due = refused.iter().map(|(configuration, link)| 2 * configuration + link).min();
+        let due = due.map(|object| SceneError::OutOfRange { object, reach: 1e300 });
+        assert_eq!((found.err(), hits), (due, if due.is_some() { 0 } else { 2 }));
+    }
 }
 
 #[test]
