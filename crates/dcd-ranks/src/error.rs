@@ -33,6 +33,13 @@ pub enum RankError {
         /// What: "a static object", "a filter", "a sensor", "an ignored pair".
         what: &'static str,
     },
+    /// An object of a scene whose name would be more than a u64 counts.
+    NoName {
+        /// Its index.
+        object: usize,
+        /// The name of the object of index 0.
+        first: u64,
+    },
     /// A message that this version did not write.
     Message {
         /// Whose.
@@ -88,6 +95,9 @@ impl fmt::Display for RankError {
             Self::Twice { body } => write!(f, "object {body} is there twice"),
             Self::Unsupported { object, what } => {
                 write!(f, "object {object}: {what}, which ranks do not know of")
+            }
+            Self::NoName { object, first } => {
+                write!(f, "object {object}: its name, {first} + {object}, is more than a u64 counts")
             }
             Self::Message { sender } => {
                 write!(f, "rank {sender} sent a message that this version does not write")

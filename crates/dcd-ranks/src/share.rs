@@ -30,7 +30,8 @@ impl Share {
     /// Slots that hold no object are passed over.
     ///
     /// # Errors
-    /// What ranks do not know of and would lose: a static object, a filter, a sensor, an ignored pair.
+    /// What ranks do not know of and would lose: a static object, a filter, a sensor, an ignored pair. A body whose
+    /// name would be more than a u64 counts.
     pub fn of_scene(
         scene: &Scene,
         first: u64,
@@ -41,12 +42,12 @@ impl Share {
         let shapes = shapes.map(|(k, shape)| (shape_name(k), shape.clone())).collect();
         let objects = scene.poses().iter().enumerate();
         let objects = objects.filter(|&(k, _)| scene.motion(k).is_some());
-        let bodies = objects.map(|(k, &pose)| Body {
-            name: first + k as u64,
-            shape: scene.shape_index(k),
-            pose,
+        let bodies = objects.map(|(object, &pose)| {
+            let name = first.checked_add(object as u64);
+            let name = name.ok_or(RankError::NoName { object, first })?;
+            Ok(Body { name, shape: scene.shape_index(object), pose })
         });
-        Ok(Self { shapes, bodies: bodies.collect() })
+        Ok(Self { shapes, bodies: bodies.collect::<Result<_, _>>()? })
     }
 
     /// That every body has a shape.

@@ -238,3 +238,19 @@ fn what_ranks_do_not_know_of_is_refused_and_not_lost() {
     gone.remove(gone.handle(2).unwrap()).unwrap();
     assert_eq!(of(&gone), Ok(3));
 }
+
+#[test]
+fn a_body_whose_name_is_more_than_a_u64_counts_is_refused() {
+    let objects = [0.0, 3.0, 6.0].map(|x| Pose::from_translation(DVec3::X * x).unwrap());
+    let mut scene = Scene::one_each(vec![Shape::sphere(1.0).unwrap(); 3], objects.into()).unwrap();
+    let names = |scene: &Scene, first| {
+        let share = Share::of_scene(scene, first, |shape| shape as u64)?;
+        Ok(share.bodies.iter().map(|body| body.name).collect::<Vec<u64>>())
+    };
+    assert_eq!(names(&scene, u64::MAX - 2), Ok(vec![u64::MAX - 2, u64::MAX - 1, u64::MAX]));
+    let first = u64::MAX;
+    assert_eq!(names(&scene, first), Err(RankError::NoName { object: 1, first }));
+    // A slot that holds no object needs no name.
+    scene.remove(scene.handle(2).unwrap()).unwrap();
+    assert_eq!(names(&scene, first - 1), Ok(vec![first - 1, first]));
+}
