@@ -49,12 +49,10 @@ pub(crate) struct Detect {
     out: Option<PathBuf>,
 }
 
-/// Which arithmetic decides.
+/// Which arithmetic decides. Without error bounds contacts would depend on the number of ranks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Precision {
-    /// f32 without error bounds
-    Fast,
     /// What f64 can prove, else undecided
     F64,
     /// Every answer proved, down to exact integers
@@ -196,7 +194,6 @@ impl Detect {
             )));
         }
         let precision = match self.precision {
-            Precision::Fast => dcd_pipeline::Precision::Fast,
             Precision::F64 => dcd_pipeline::Precision::F64,
             Precision::Certified => dcd_pipeline::Precision::Certified,
         };

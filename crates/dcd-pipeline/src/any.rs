@@ -16,7 +16,7 @@ use dcd_gjk::{
 /// What a yes or no guarantees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Precision {
-    /// f32 without error bounds: [`OverlapUnchecked`].
+    /// f32 without error bounds: [`OverlapUnchecked`]. Refused where one scene is spread over ranks.
     Fast,
     /// What f64 can prove, else undecided: [`Gjk`].
     F64,

@@ -45,6 +45,9 @@ pub enum RankError {
         /// Whose.
         sender: usize,
     },
+    /// Contacts without error bounds, [`dcd_pipeline::Precision::Fast`]: they depend on which pairs are decided
+    /// together, and so on the number of ranks.
+    Unchecked,
     /// A margin that no pipeline takes.
     Margin(ShapeError),
     /// A body that a scene refuses.
@@ -97,10 +100,16 @@ impl fmt::Display for RankError {
                 write!(f, "object {object}: {what}, which ranks do not know of")
             }
             Self::NoName { object, first } => {
-                write!(f, "object {object}: its name, {first} + {object}, is more than a u64 counts")
+                write!(
+                    f,
+                    "object {object}: its name, {first} + {object}, is more than a u64 counts"
+                )
             }
             Self::Message { sender } => {
                 write!(f, "rank {sender} sent a message that this version does not write")
+            }
+            Self::Unchecked => {
+                write!(f, "contacts without error bounds would depend on the number of ranks")
             }
             Self::Margin(error) => error.fmt(f),
             Self::Scene { body, error } => write!(f, "object {body}: {error}"),

@@ -7,7 +7,7 @@ use crate::wire::{Reader, Writer};
 use crate::{Cuts, Load, RankError, Share, Transport, cut};
 use dcd_exec::{Exec, Par};
 use dcd_geom::{Aabb, Object, Pair, Pose, Scene, Shape};
-use dcd_pipeline::{Answer, AnyPipeline, AnyStep, Question};
+use dcd_pipeline::{Answer, AnyPipeline, AnyStep, Precision, Question};
 use std::collections::{HashMap, HashSet};
 
 /// Bodies that are moved to their owners at a time: so that what is on the way takes little memory.
@@ -52,8 +52,8 @@ impl<'t, T: Transport> RankScene<'t, T> {
     /// Spreads what the ranks bring along: regions of equal cost are cut, and every body goes to its owner.
     ///
     /// # Errors
-    /// On all ranks if there is one on any: a margin that no pipeline takes, a shape that no message holds, a
-    /// body without a shape or out of range, two bodies of one name.
+    /// On all ranks if there is one on any: a question without error bounds, a margin that no pipeline takes, a
+    /// shape that no message holds, a body without a shape or out of range, two bodies of one name.
     pub fn new(transport: &'t T, share: Share, question: Question) -> Result<Self, RankError> {
         let made = Self::prepared(question).and_then(|made| share.check().map(|()| made));
         let bounds = share
@@ -93,6 +93,9 @@ impl<'t, T: Transport> RankScene<'t, T> {
     }
 
     fn prepared(question: Question) -> Result<[AnyPipeline; 2], RankError> {
+        if matches!(question, Question::Overlap { precision: Precision::Fast, .. }) {
+            return Err(RankError::Unchecked);
+        }
         let make = || AnyPipeline::new(question).map_err(RankError::Margin);
         Ok([make()?, make()?])
     }

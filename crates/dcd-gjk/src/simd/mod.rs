@@ -67,8 +67,9 @@ pub type Overlap = SimdOverlap<CertifiedBounds>;
 ///
 /// What it saves over [`Overlap`] is what a proof costs, next to nothing; what it risks is a wrong
 /// answer where the gap or overlap is within rounding, some 1e-5 of the objects' size. A pair on
-/// which f32 can gain no more is called touching. Answers may differ from CPU to CPU. In a scene of spheres alone they are
-/// [`Overlap`]'s, which cost no more.
+/// which f32 can gain no more is called touching. Such answers may differ from CPU to CPU, with the order of the two
+/// objects, and with the pairs that are decided in one call; a step's are the same at any number of threads. In a scene
+/// of spheres alone they are [`Overlap`]'s, which cost no more.
 pub type OverlapUnchecked = SimdOverlap<UncheckedBounds>;
 
 /// The SIMD narrow phase, with or without error bounds: [`Overlap`] or [`OverlapUnchecked`].

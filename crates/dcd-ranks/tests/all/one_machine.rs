@@ -5,8 +5,9 @@ use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Object, Pose, Scene, Shape, Support, SupportMap};
 use dcd_gjk::Accuracy;
 use dcd_io::{data, load_boxes};
+use dcd_pipeline::{Precision, Question};
 use dcd_ranks::threads;
-use dcd_ranks::{Body, RankScene, Share, Transport, sort_contacts};
+use dcd_ranks::{Body, RankError, RankScene, Share, Transport, sort_contacts};
 use dcd_scenes::SceneSpec;
 use std::sync::Arc;
 
@@ -142,6 +143,21 @@ fn an_error_of_one_rank_is_one_of_all() {
             .map(|e| e.to_string())
     });
     assert_eq!(lost[0].as_deref(), Some("object 5: there is no shape 3 among 0"));
+}
+
+#[test]
+fn contacts_that_would_depend_on_the_number_of_ranks_are_refused() {
+    let scene = SceneSpec::sparse().with_objects(50).scene().unwrap();
+    for (precision, is_taken) in
+        [(Precision::Certified, true), (Precision::F64, true), (Precision::Fast, false)]
+    {
+        let question = Question::Overlap { precision, margin: 0.0 };
+        let taken = threads::run(2, |rank| {
+            let scene = RankScene::new(rank, share(&scene, rank, DEALT), question);
+            scene.map(drop).map_err(|error| assert_eq!(error, RankError::Unchecked)).is_ok()
+        });
+        assert_eq!(taken, [is_taken; 2], "{precision:?}");
+    }
 }
 
 #[test]
