@@ -76,6 +76,15 @@ ratio is Parry's check alone over our sum, for all hits, ratio_first for first h
 refused there. A file of the archive unpacks to 16,777,216 bytes at most, all of it to \
 1,073,741,824.";
 
+// clap does not insist on what an argument requires where that conflicts with another one that is given. So
+// what depends on --states, --edges, --request or --acm conflicts with all that the same does.
+
+const NOT_WITH_STATES: [&str; 6] = ["state", "edges", "request", "goal", "all_problems", "acm"];
+const NOT_WITH_EDGES: [&str; 6] = ["state", "states", "request", "goal", "all_problems", "acm"];
+const NOT_WITH_REQUEST: [&str; 5] = ["state", "states", "edges", "all_problems", "acm"];
+const NOT_WITH_ACM: [&str; 9] =
+    ["srdf", "world", "state", "states", "edges", "request", "goal", "all_problems", "padding"];
+
 /// Which way is up in a mesh file.
 #[derive(Clone, Copy, ValueEnum)]
 enum UpAxis {
@@ -120,19 +129,25 @@ pub(crate) struct Robot {
     )]
     state: Option<String>,
     /// States in place of one, JSON Lines (format: see --help): prints a line of JSON for each
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["state", "request", "goal", "all_problems"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = NOT_WITH_STATES)]
     states: Option<PathBuf>,
     /// Measure the least signed distance of each state of --states too, with its derivative by the joints
-    #[arg(long, requires = "states")]
+    #[arg(long, requires = "states", conflicts_with_all = NOT_WITH_STATES)]
     clearance: bool,
     /// Edges between states, JSON Lines (format: see --help): whether each is proved free throughout
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["state", "states", "request", "goal", "all_problems"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = NOT_WITH_EDGES)]
     edges: Option<PathBuf>,
     /// The most intervals of an edge that are checked
-    #[arg(long, value_name = "N", requires = "edges", default_value_t = 100_000)]
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "edges",
+        conflicts_with_all = NOT_WITH_EDGES,
+        default_value_t = 100_000
+    )]
     budget: usize,
     /// Write for each free edge of --edges the planes that prove it (format: see --help)
-    #[arg(long, value_name = "FILE", requires = "edges")]
+    #[arg(long, value_name = "FILE", requires = "edges", conflicts_with_all = NOT_WITH_EDGES)]
     certificate: Option<PathBuf>,
     /// Grow all links by this much on all sides, metres, against the world alone
     #[arg(
@@ -146,10 +161,10 @@ pub(crate) struct Robot {
     #[arg(long, conflicts_with_all = ["all_problems", "acm"])]
     pad_self: bool,
     /// A request of MoveIt as YAML in place of a state: its start
-    #[arg(long, value_name = "REQUEST.yaml", conflicts_with = "all_problems")]
+    #[arg(long, value_name = "REQUEST.yaml", conflicts_with_all = NOT_WITH_REQUEST)]
     request: Option<PathBuf>,
     /// The request's goal in place of its start
-    #[arg(long, requires = "request")]
+    #[arg(long, requires = "request", conflicts_with_all = NOT_WITH_REQUEST)]
     goal: bool,
     /// An archive (tar.bz2) of sceneNUMBER.yaml and requestNUMBER.yaml: all are checked, beside
     /// Parry
@@ -157,26 +172,19 @@ pub(crate) struct Robot {
     all_problems: Option<PathBuf>,
     /// Write the pairs of links that need no check as an SRDF: Adjacent, Always, and Never within the
     /// joints' limits, with proved="true" where that is proved and not only sampled
-    #[arg(
-        long,
-        value_name = "OUT.srdf",
-        conflicts_with_all = [
-            "srdf",
-            "world",
-            "state",
-            "states",
-            "edges",
-            "request",
-            "all_problems",
-            "padding"
-        ]
-    )]
+    #[arg(long, value_name = "OUT.srdf", conflicts_with_all = NOT_WITH_ACM)]
     acm: Option<PathBuf>,
     /// How many states are sampled
-    #[arg(long, value_name = "N", requires = "acm", default_value_t = PairSearch::default().samples)]
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "acm",
+        conflicts_with_all = NOT_WITH_ACM,
+        default_value_t = PairSearch::default().samples
+    )]
     samples: usize,
     /// Write pairs that touch at rest but not always too, as Default
-    #[arg(long, requires = "acm")]
+    #[arg(long, requires = "acm", conflicts_with_all = NOT_WITH_ACM)]
     allow_default: bool,
     /// Write what was checked as binary glTF: links and obstacles, what touches in another colour, the points
     /// where; states one after the other, half a second each; edges as motions of two seconds

@@ -18,6 +18,9 @@ const STANDARD_INPUT: &str = "-";
 /// Candidate pairs an object, of clouds.
 const USUAL_DENSITY: f64 = 4.0;
 
+/// What depends on --clouds conflicts with these too: clap does not insist on --clouds beside them.
+const NOT_WITH_CLOUDS: [&str; 3] = ["file", "scene", "capture"];
+
 #[derive(Args)]
 pub(super) struct Source {
     /// A hull scene (format: see --help); `-` is standard input
@@ -31,7 +34,7 @@ pub(super) struct Source {
     scene: Option<String>,
     /// Point clouds in place of a file: u32 count, then count × 3 f32, little endian, again and
     /// again; their hulls are spread in a seeded scene
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = NOT_WITH_CLOUDS)]
     clouds: Option<PathBuf>,
     /// A capture in place of a file: a step for each of its frames (format: docs/captures.md)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scene", "clouds", "n", "seed"])]
@@ -47,12 +50,12 @@ pub(super) struct Source {
         long,
         value_name = "D",
         requires = "clouds",
-        conflicts_with_all = ["file", "scene"],
+        conflicts_with_all = NOT_WITH_CLOUDS,
         value_parser = density
     )]
     density: Option<f64>,
     /// Leave the clouds as large as they are; otherwise each is scaled to unit size
-    #[arg(long, requires = "clouds", conflicts_with_all = ["file", "scene"])]
+    #[arg(long, requires = "clouds", conflicts_with_all = NOT_WITH_CLOUDS)]
     true_size: bool,
 }
 
