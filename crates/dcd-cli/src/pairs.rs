@@ -27,8 +27,7 @@ A line comes out for each, in order:
   method       what decided it: f32, f64, exact, parry-f32, parry-f64
   reason       why the pair is undecided, or its distance without a bound: "out of range" where it is
                more than an f64 holds, and the number given is one that it surely exceeds
-  distance     metres; 0 for a touching pair, and for one that f64 leaves undecided: it is apart, or
-               overlaps, by no more than error_bound
+  distance     metres; 0 for a touching pair
   depth        metres; for touching pairs alone, 0 for one that just touches
   normal       of unit length, from a to b, world frame
   point_a, point_b   between which the distance or depth is, world frame
@@ -37,7 +36,7 @@ A line comes out for each, in order:
   error_bound  the truth is within it, metres; absent on parry-f32 and parry-f64, which give none
 A line that is no such pair comes out as {"name": …, "error": "line …"}, on standard error too, and the run goes on; the exit code is 2 then.
 
-There is no distance in f32: --precision fast gives f64's. Of a depth or manifold, method names what proved that the pair touches. Parry's precisions print what query::intersection_test, distance, closest_points and contact say, right or wrong."#;
+--precision fast and f64 are for --query boolean alone. Of a depth or manifold, method names what proved that the pair touches. Parry's precisions print what query::intersection_test, distance, closest_points and contact say, right or wrong."#;
 
 /// Decide pairs of posed point sets, one a line
 #[derive(Args)]
@@ -107,10 +106,7 @@ struct Line<'a> {
 
 impl Pairs {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        if self.query == Query::Manifold && !matches!(self.precision.library(), Library::Ours(_)) {
-            let precision = format_args!("--precision {}", self.precision.name());
-            return Err(Failure::at(precision, "answers no --query manifold"));
-        }
+        self.check_precision()?;
         let (place, reader) = self.open()?;
         let mut out = stdout().lock();
         // Lines on a terminal are progress enough.
@@ -141,6 +137,20 @@ impl Pairs {
             return Err(Failure::at(place, format_args!("{refused} of {lines} lines refused")));
         }
         Ok(())
+    }
+
+    /// Refuses a precision that does not answer the query.
+    fn check_precision(&self) -> Result<(), Failure> {
+        let is_ours = matches!(self.precision.library(), Library::Ours(_));
+        let why = if self.query == Query::Manifold && !is_ours {
+            "answers no --query manifold"
+        } else if self.query != Query::Boolean && is_ours && self.precision != Precision::Certified
+        {
+            "it is for --query boolean alone; --accuracy chooses how a measure is computed"
+        } else {
+            return Ok(());
+        };
+        Err(Failure::at(format_args!("--precision {}", self.precision.name()), why))
     }
 
     fn open(&self) -> Result<(String, Box<dyn BufRead>), Failure> {

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{OUR_PRECISIONS, PRECISIONS, Ran, cube, dcd, dcd_reading};
+use common::{ACCURACIES, OUR_PRECISIONS, Ran, cube, dcd, dcd_reading, ways};
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_io::RawScene;
 use dcd_scenes::SceneSpec;
@@ -59,13 +59,9 @@ fn vector(line: &Value, key: &str) -> DVec3 {
 
 #[test]
 fn cubes_a_metre_apart_are_at_distance_one() {
-    for precision in PRECISIONS {
-        let line = run_pairs(
-            &[cubes([2.0, 0.0, 0.0])],
-            &["--query", "distance", "--precision", precision],
-        )
-        .answers()
-        .remove(0);
+    for [flag, way] in ways("distance") {
+        let arguments = ["--query", "distance", flag, way];
+        let line = run_pairs(&[cubes([2.0, 0.0, 0.0])], &arguments).answers().remove(0);
         assert_eq!((&line["answer"], number(&line, "distance")), (&"apart".into(), 1.0));
         assert!(vector(&line, "normal").abs_diff_eq(DVec3::X, 1e-12), "{line}");
         let [a, b] = ["point_a", "point_b"].map(|key| vector(&line, key));
@@ -75,17 +71,13 @@ fn cubes_a_metre_apart_are_at_distance_one() {
 
 #[test]
 fn cubes_that_overlap_by_a_quarter_are_a_quarter_deep() {
-    for precision in OUR_PRECISIONS {
-        let line =
-            run_pairs(&[cubes([0.75, 0.0, 0.0])], &["--query", "depth", "--precision", precision])
-                .answers()
-                .remove(0);
-        assert_eq!((&line["answer"], number(&line, "depth")), (&"touching".into(), 0.25));
-        assert!(number(&line, "error_bound") < 1e-14);
-        assert!(vector(&line, "normal").abs_diff_eq(DVec3::X, 1e-12), "{line}");
-        let deep = vector(&line, "point_a") - vector(&line, "point_b");
-        assert!(deep.abs_diff_eq(DVec3::X * 0.25, 1e-12), "{line}");
-    }
+    let arguments = ["--query", "depth"];
+    let line = run_pairs(&[cubes([0.75, 0.0, 0.0])], &arguments).answers().remove(0);
+    assert_eq!((&line["answer"], number(&line, "depth")), (&"touching".into(), 0.25));
+    assert!(number(&line, "error_bound") < 1e-14);
+    assert!(vector(&line, "normal").abs_diff_eq(DVec3::X, 1e-12), "{line}");
+    let deep = vector(&line, "point_a") - vector(&line, "point_b");
+    assert!(deep.abs_diff_eq(DVec3::X * 0.25, 1e-12), "{line}");
 }
 
 #[test]
@@ -109,23 +101,13 @@ fn cubes_that_just_touch_are_touching_at_distance_and_depth_zero_by_the_exact_me
 }
 
 #[test]
-fn a_pair_within_rounding_of_f64_has_a_distance_of_zero_and_the_truth_is_within_its_bound() {
-    let gaps = [0.0, f64::EPSILON, -f64::EPSILON / 2.0, 3.0 * f64::EPSILON];
-    let pairs = gaps.map(|gap| cubes([1.0 + gap, 0.5, 0.0]));
-    let ran = run_pairs(&pairs, &["--precision", "f64", "--query", "distance"]);
-    let swapped =
-        run_pairs(&pairs, &["--precision", "f64", "--query", "distance", "--swap"]).answers();
-    for ((line, swapped), gap) in ran.answers().into_iter().zip(swapped).zip(gaps) {
-        assert_eq!(
-            (&line["answer"], &line["method"]),
-            (&"undecided".into(), &"f64".into()),
-            "{line}"
-        );
-        assert_eq!((&line["reason"], number(&line, "distance")), (&"within rounding".into(), 0.0));
-        let bound = number(&line, "error_bound");
-        assert!(gap.abs() <= bound && bound < 1e-13, "{line}");
-        assert!(vector(&line, "normal").is_finite(), "{line}");
-        assert_eq!(number(&swapped, "error_bound"), bound);
+fn a_precision_of_yes_or_no_is_refused_for_a_measure() {
+    for query in ["distance", "depth", "manifold"] {
+        for precision in ["fast", "f64"] {
+            let arguments = ["--query", query, "--precision", precision];
+            let ran = run_pairs(&[cubes([2.0, 0.0, 0.0])], &arguments);
+            ran.assert_refused(&["--precision", precision, "--query boolean alone", "--accuracy"]);
+        }
     }
 }
 
@@ -140,9 +122,12 @@ fn only_what_the_query_requests_is_present() {
         keys
     };
     for precision in OUR_PRECISIONS {
+        let lines = run_pairs(&pairs, &["--precision", precision]).answers();
+        assert!(lines.iter().all(|line| keys(line) == base));
+    }
+    for accuracy in ACCURACIES {
         let lines_of =
-            |query| run_pairs(&pairs, &["--precision", precision, "--query", query]).answers();
-        assert!(lines_of("boolean").iter().all(|line| keys(line) == base));
+            |query| run_pairs(&pairs, &["--accuracy", accuracy, "--query", query]).answers();
         let lines = lines_of("distance");
         assert_eq!(keys(&lines[0]), sorted(&[&base, &way, &["distance", "error_bound"]]));
         assert_eq!(keys(&lines[1]), sorted(&[&base, &["distance", "error_bound"]]));
@@ -194,22 +179,15 @@ fn the_swapped_answer_is_mirrored_bit_for_bit() {
         pairs.push(cubes(place));
     }
     let mut kinds = [0; 2];
-    for precision in OUR_PRECISIONS {
-        for query in ["boolean", "distance", "depth"] {
-            let straight =
-                run_pairs(&pairs, &["--precision", precision, "--query", query]).answers();
-            let swapped =
-                run_pairs(&pairs, &["--precision", precision, "--query", query, "--swap"])
-                    .answers();
+    for query in ["boolean", "distance", "depth"] {
+        for [flag, way] in ways(query).into_iter().filter(|[_, way]| !way.starts_with("parry")) {
+            let straight = run_pairs(&pairs, &[flag, way, "--query", query]).answers();
+            let swapped = run_pairs(&pairs, &[flag, way, "--query", query, "--swap"]).answers();
             for (straight, swapped) in straight.into_iter().zip(swapped) {
                 kinds[0] += usize::from(straight.get("distance").is_some());
                 kinds[1] += usize::from(straight.get("depth").is_some());
                 // As text, so that the sign of zero counts.
-                assert_eq!(
-                    mirrored(straight).to_string(),
-                    swapped.to_string(),
-                    "{precision} {query}"
-                );
+                assert_eq!(mirrored(straight).to_string(), swapped.to_string(), "{way} {query}");
             }
         }
     }
@@ -354,10 +332,10 @@ fn every_accuracy_gives_the_same_verdicts_and_numbers_within_its_bounds() {
 
 #[test]
 fn a_manifold_has_the_corners_of_what_two_faces_share() {
-    for precision in OUR_PRECISIONS {
+    for accuracy in ["f64", "certified"] {
         let pairs = [cubes([0.75, 0.25, 0.5]), cubes([1.5, 0.0, 0.0])];
         let [touching, apart] =
-            &run_pairs(&pairs, &["--query", "manifold", "--precision", precision]).answers()[..]
+            &run_pairs(&pairs, &["--query", "manifold", "--accuracy", accuracy]).answers()[..]
         else {
             panic!()
         };

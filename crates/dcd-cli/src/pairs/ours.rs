@@ -27,7 +27,7 @@ impl Solvers {
         b: PosedShape<'_>,
     ) -> Answer {
         if query == Query::Distance {
-            return distance(precision, accuracy, a, b);
+            return distance(accuracy, a, b);
         }
         let (verdict, method) = match precision {
             Precision::Fast => Gjk::<f32>::default().resolve(a, b, &mut ()),
@@ -76,16 +76,8 @@ impl Solvers {
     }
 }
 
-fn distance(
-    precision: Precision,
-    accuracy: Accuracy,
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
-) -> Answer {
-    let (found, method) = match precision {
-        Precision::Fast | Precision::F64 => (distance::in_f64(a, b), Method::F64),
-        Precision::Certified => distance::distance_at(accuracy.into(), a, b),
-    };
+fn distance(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Answer {
+    let (found, method) = distance::distance_at(accuracy.into(), a, b);
     let verdict = match found {
         DistanceResult::Apart(_) => Verdict::Apart,
         DistanceResult::Touching => Verdict::Touching(()),

@@ -9,6 +9,22 @@ use std::process::{Command, Stdio};
 pub(crate) const PRECISIONS: [&str; 5] = ["fast", "f64", "certified", "parry-f32", "parry-f64"];
 pub(crate) const OUR_PRECISIONS: [&str; 3] = ["fast", "f64", "certified"];
 
+pub(crate) const ACCURACIES: [&str; 3] = ["f32", "f64", "certified"];
+
+/// The flags of `dcd pairs` that choose who answers a query, and how.
+pub(crate) fn ways(query: &str) -> Vec<[&'static str; 2]> {
+    let precisions = |names: &[&'static str]| -> Vec<_> {
+        names.iter().map(|name| ["--precision", name]).collect()
+    };
+    match query {
+        "boolean" => precisions(&PRECISIONS),
+        _ => {
+            let accuracies = ACCURACIES.map(|name| ["--accuracy", name]);
+            [&accuracies[..], &precisions(&["certified", "parry-f32", "parry-f64"])].concat()
+        }
+    }
+}
+
 /// A post of edge 0.2 at y = 1.5.
 pub(crate) const POST: &str = "world:
   collision_objects:
