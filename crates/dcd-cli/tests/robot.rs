@@ -102,6 +102,10 @@ goal_constraints: [{joint_constraints: [{joint_name: elbow, position: 3.14159265
     assert!(touching(&[&arm, "--request", &request]).is_empty());
     let goal = ["--request", &request, "--goal"];
     assert_eq!(touching(&[&[arm.as_str()], &goal[..]].concat()), pairs(&[["base", "lower"]]));
+    let start =
+        folder.file("start.yaml", "start_state: {joint_state: {name: [elbow], position: [1]}}");
+    assert!(touching(&[&arm, "--request", &start]).is_empty());
+    dcd(&["robot", &arm, "--request", &start, "--goal"]).assert_refused(&["start.yaml: goal: "]);
 }
 
 #[test]

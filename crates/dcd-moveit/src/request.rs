@@ -49,6 +49,12 @@ impl MotionPlanRequest {
             ("max_cartesian_speed", &self.max_cartesian_speed),
         ];
         fields.iter().for_each(|(kind, field)| count(unused, kind, field));
+        let constraints = self.goal_constraints.iter().flat_map(|goal| &goal.joint_constraints);
+        for constraint in constraints {
+            count(unused, "tolerances of joint constraints", &constraint.tolerance_above);
+            count(unused, "tolerances of joint constraints", &constraint.tolerance_below);
+            count(unused, "weights of joint constraints", &constraint.weight);
+        }
         self.start_state.for_each_unused(unused);
     }
 }
@@ -71,10 +77,7 @@ pub struct Constraints {
 pub struct JointConstraint {
     pub joint_name: String,
     pub position: f64,
-    #[serde(default, rename = "tolerance_above")]
-    _tolerance_above: IsSet,
-    #[serde(default, rename = "tolerance_below")]
-    _tolerance_below: IsSet,
-    #[serde(default, rename = "weight")]
-    _weight: IsSet,
+    tolerance_above: Option<WithLine<IsSet>>,
+    tolerance_below: Option<WithLine<IsSet>>,
+    weight: Option<WithLine<IsSet>>,
 }

@@ -42,6 +42,10 @@ impl Request {
             let goals = file.goal_constraints.len();
             notes.push(format!("of {goals} goal_constraints the first is used"));
         }
+        if file.start_state.is_diff {
+            let what = "start_state is a difference (is_diff)";
+            notes.push(format!("{what}: as without, what it leaves out is where the world has it"));
+        }
         let goal = file.goal_constraints.into_iter().next().unwrap_or_default();
         let beyond =
             [goal.position_constraints, goal.orientation_constraints, goal.visibility_constraints];
@@ -73,7 +77,7 @@ impl Request {
     /// The goal as a state of the robot.
     ///
     /// # Errors
-    /// See [`Robot::state`]; a goal that requires more than joint values.
+    /// See [`Robot::state`]; a goal that requires more than joint values, or nothing.
     pub fn goal_of(&self, robot: &Robot) -> Result<Vec<f64>, RobotError> {
         self.goal_in(&World::default(), robot)
     }
@@ -91,9 +95,13 @@ impl Request {
     /// # Errors
     /// See [`Request::goal_of`].
     pub fn goal_in(&self, world: &World, robot: &Robot) -> Result<Vec<f64>, RobotError> {
+        let refused =
+            |why: &str| Err(RobotError::Refused { user: "goal".to_owned(), why: why.to_owned() });
         if self.beyond_joints {
-            let (user, why) = ("goal", "it contains poses, and joint values alone are understood");
-            return Err(RobotError::Refused { user: user.to_owned(), why: why.to_owned() });
+            return refused("it contains poses, and joint values alone are understood");
+        }
+        if self.goal.is_empty() {
+            return refused("the request constrains no joint: there is none");
         }
         robot.state(&[self.values_in(world), self.goal.clone()].concat())
     }
@@ -128,6 +136,7 @@ impl Request {
     pub fn notes(&self, robot: &Robot) -> Vec<String> {
         let mut notes = self.notes.clone();
         notes.extend(robot.idle_values(&self.start));
+        notes.extend(robot.idle_values(&self.goal).map(|note| format!("goal: {note}")));
         notes
     }
 }
@@ -161,11 +170,13 @@ impl Robot {
         Ok(state)
     }
 
-    /// A sentence about those values that are of joints without a value of their own.
+    /// A sentence about those values that are of joints without a value of their own. Those of unknown joints,
+    /// which [`Robot::state`] refuses, are not among them.
     pub(super) fn idle_values(&self, values: &[(String, f64)]) -> Option<String> {
         let own: HashSet<&str> = self.variables().iter().map(String::as_str).collect();
-        let idle = values.iter().map(|(name, _)| name.as_str()).filter(|name| !own.contains(name));
-        let idle: Vec<&str> = idle.collect();
+        let joints: HashSet<&str> = self.joints().iter().map(|joint| joint.name.as_str()).collect();
+        let idle = |name: &&str| joints.contains(name) && !own.contains(name);
+        let idle: Vec<&str> = values.iter().map(|(name, _)| name.as_str()).filter(idle).collect();
         (!idle.is_empty()).then(|| {
             format!(
                 "not used: values of joints that are fixed or mimic others: {}",
@@ -208,5 +219,56 @@ planner_id: fast
             let refused = Request::read(text).unwrap_err();
             assert!(matches!(refused, RobotError::NotOfKind { what: "request", .. }), "{refused}");
         }
+    }
+
+    /// A robot of two joints, of which one is fixed.
+    fn robot() -> Robot {
+        let joint = |name, kind, [parent, child]: [&str; 2]| {
+            format!(
+                "<joint name=\"{name}\" type=\"{kind}\"><parent link=\"{parent}\"/>\
+                 <child link=\"{child}\"/></joint>"
+            )
+        };
+        let joints = [joint("a", "continuous", ["x", "y"]), joint("b", "fixed", ["y", "z"])];
+        let shape = "<collision><geometry><sphere radius=\"1\"/></geometry></collision>";
+        let links = format!("<link name=\"x\">{shape}</link><link name=\"y\"/><link name=\"z\"/>");
+        let urdf = format!("<robot name=\"r\">{links}{}</robot>", joints.concat());
+        Robot::read(&urdf, Path::new("."), crate::LinkShapes::Hulls).unwrap()
+    }
+
+    #[test]
+    fn a_goal_without_constraints_is_none() {
+        let start = "start_state: {joint_state: {name: [a], position: [1]}}\n";
+        let noted = "goal_constraints: [{joint_constraints: [], position_constraints: []}]";
+        for goal in ["", "goal_constraints: []", "goal_constraints: [{}]", noted] {
+            let request = Request::read(&[start, goal].concat()).unwrap();
+            assert_eq!(request.start_of(&robot()).unwrap(), [1.0]);
+            let refused = request.goal_of(&robot()).unwrap_err().to_string();
+            assert_eq!(refused, "goal: the request constrains no joint: there is none", "{goal}");
+        }
+    }
+
+    #[test]
+    fn what_a_request_says_for_nothing_is_named() {
+        let notes = |text: &str| Request::read(text).unwrap().notes(&robot());
+        let idle = "not used: values of joints that are fixed or mimic others: b";
+        assert_eq!(notes(TEXT), ["not used: planner_id", idle, &format!("goal: {idle}")]);
+        let constraint = "position: 2, tolerance_above: 0, tolerance_below: 0.1, weight: 1";
+        let goal =
+            format!("goal_constraints: [{{joint_constraints: [{{joint_name: a, {constraint}}}]}}]");
+        let notes = notes(&format!("start_state: {{is_diff: true}}\n{goal}"));
+        let unused = "not used: tolerances of joint constraints, weights of joint constraints";
+        let difference = "start_state is a difference (is_diff): as without, what it leaves out is where \
+                          the world has it";
+        assert_eq!(notes, [unused, difference]);
+    }
+
+    #[test]
+    fn an_unknown_joint_is_refused_and_called_neither_fixed_nor_mimicking() {
+        let text = "start_state: {joint_state: {name: [c], position: [1]}}";
+        let request = Request::read(text).unwrap();
+        assert_eq!(request.notes(&robot()), [""; 0]);
+        let refused = request.start_of(&robot()).unwrap_err().to_string();
+        assert!(refused.contains("\"c\""), "{refused}");
     }
 }
