@@ -51,8 +51,8 @@ standard error. xacro must be expanded first: xacro FILE > robot.urdf
 Files that are opened, all for reading: those named here, each mesh that the collision geometry of \
 the URDF names, the buffers that a glTF names, and each package.xml where a package is looked for. \
 Such a name may lead anywhere: a package:// or model:// is the folder that --package gives it; \
-else the one whose package.xml names it, or that is called so, below a folder of ROS_PACKAGE_PATH, \
-or beside or above the URDF; else what follows the package's name, beside or above the URDF. \
+else the one whose package.xml names it, or that has none and is called so, below a folder of ROS_PACKAGE_PATH, \
+or beside or above the URDF; else what follows the package's name, or begins with it, beside or above the URDF. \
 file:///A is /A, any other name itself, from the URDF's folder or any above it. Nothing else is \
 opened, no texture and no visual mesh.
 

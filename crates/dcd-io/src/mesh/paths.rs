@@ -19,9 +19,10 @@ const MAX_FOLDERS: usize = 10_000;
 /// | `file:///FILE`, `/FILE` | `/FILE` |
 /// | `file://FILE`, `FILE` | from the naming file's folder, or from one above it |
 ///
-/// A folder is the package NAME if it is called so or its `package.xml` says so. Where no package is
-/// found, `FILE` and `NAME/FILE` are looked for beside or above the naming file. The first that
-/// exists is taken; `%20` and its like are tried as they are and decoded.
+/// A folder is the package NAME if its `package.xml` says so, or, where it has none, if it is called so.
+/// Where no package has the file, `FILE` and `NAME/FILE` are looked for beside or above the naming file.
+/// The first that exists is taken. `%20` and its like are decoded in NAME, and tried as they are and
+/// decoded in `FILE`, which is taken from the package's folder also where it begins with a slash.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshPaths {
     folder: PathBuf,
@@ -97,28 +98,64 @@ impl MeshPaths {
 
     fn plain(&self, name: &str, search: &mut PackageSearch) -> Option<PathBuf> {
         if Path::new(name).is_absolute() {
-            return search.file(Path::new(""), name);
+            return search.file(Path::new("/"), name);
         }
         self.above().iter().find_map(|above| search.file(above, name))
     }
 
     fn in_package(&self, rest: &str, search: &mut PackageSearch) -> Option<PathBuf> {
         let (package, file) = rest.split_once('/')?;
+        let package = percent_decoded(package);
+        // A slash at its front, once decoded, is of no folder beside.
+        let package = package.trim_start_matches('/');
         if let Some((_, folder)) = self.packages.iter().rev().find(|(name, _)| name == package) {
             return search.file(folder, file);
         }
-        let below_roots = || self.roots.iter().flat_map(|root| packages_below(root, package));
+        let below_roots = || self.roots.iter().flat_map(|root| self.packages_below(root, package));
         if let Some(found) = below_roots().find_map(|folder| search.file(&folder, file)) {
             return Some(found);
         }
         let above = self.above();
-        for folder in &above {
-            let found = beside(folder, package).iter().find_map(|folder| search.file(folder, file));
-            if found.is_some() {
-                return found;
+        let mut packages = above.iter().flat_map(|folder| self.packages_beside(folder, package));
+        let found = packages.find_map(|folder| search.file(&folder, file));
+        let plain = || above.iter().flat_map(|folder| [folder.clone(), folder.join(package)]);
+        found.or_else(|| plain().find_map(|folder| search.file(&folder, file)))
+    }
+
+    /// `folder` and those in it that are the package: one called so first.
+    fn packages_beside(&self, folder: &Path, package: &str) -> Vec<PathBuf> {
+        let called = folder.join(package);
+        let inside = subfolders(folder).into_iter().filter(|inside| *inside != called);
+        let all = [called.clone(), folder.to_path_buf()].into_iter().chain(inside);
+        all.filter(|folder| is_package(folder, self.package_name(folder).as_deref(), package))
+            .collect()
+    }
+
+    /// The folders below a root, itself among them, that are the package, nearest first. There are no
+    /// packages inside of packages.
+    fn packages_below(&self, root: &Path, package: &str) -> Vec<PathBuf> {
+        let mut found = Vec::new();
+        let mut ahead = VecDeque::from([(root.to_path_buf(), 0)]);
+        let mut seen = 0;
+        while let Some((folder, depth)) = ahead.pop_front() {
+            seen += 1;
+            let name = self.package_name(&folder);
+            if is_package(&folder, name.as_deref(), package) {
+                found.push(folder.clone());
+            }
+            if name.is_none() && depth < DEEPEST && seen + ahead.len() < MAX_FOLDERS {
+                ahead.extend(subfolders(&folder).into_iter().map(|folder| (folder, depth + 1)));
             }
         }
-        above.iter().find_map(|folder| search.file(folder, file))
+        found
+    }
+
+    /// The name in a folder's `package.xml`, if it has one.
+    fn package_name(&self, folder: &Path) -> Option<String> {
+        let bytes = read_file(&folder.join("package.xml"), PACKAGE_BYTES).ok()?;
+        let document = roxmltree::Document::parse(std::str::from_utf8(&bytes).ok()?).ok()?;
+        let name = document.root_element().children().find(|child| child.has_tag_name("name"))?;
+        Some(name.text()?.trim().to_owned())
     }
 }
 
@@ -128,13 +165,14 @@ struct PackageSearch {
 }
 
 impl PackageSearch {
-    /// The file of that name from a folder, if it is there.
+    /// The file of that name from a folder, if it is there. Slashes before the name do not lead out of the folder.
     fn file(&mut self, folder: &Path, name: &str) -> Option<PathBuf> {
-        let place = folder.join(name);
+        let from_folder = |name: &str| folder.join(name.trim_start_matches('/'));
+        let place = from_folder(name);
         if place.is_file() {
             return Some(place);
         }
-        let decoded = folder.join(percent_decoded(name));
+        let decoded = from_folder(&percent_decoded(name));
         if decoded.is_file() {
             return Some(decoded);
         }
@@ -145,48 +183,15 @@ impl PackageSearch {
     }
 }
 
-/// The folders beside or in `folder` that are the package: one called so first, then `folder` itself
-/// and those in it whose `package.xml` says so.
-fn beside(folder: &Path, package: &str) -> Vec<PathBuf> {
-    let called = folder.join(package);
-    let inside = subfolders(folder).into_iter().filter(|inside| *inside != called);
-    let named = std::iter::once(folder.to_path_buf()).chain(inside);
-    let named = named.filter(|folder| package_name(folder).as_deref() == Some(package));
-    std::iter::once(called.clone()).chain(named).collect()
-}
-
-/// The folders below a root, itself among them, that are the package, nearest first. There are no
-/// packages inside of packages.
-fn packages_below(root: &Path, package: &str) -> Vec<PathBuf> {
-    let called = |folder: &Path| folder.file_name() == Some(package.as_ref());
-    let mut found = Vec::new();
-    let mut ahead = VecDeque::from([(root.to_path_buf(), 0)]);
-    let mut seen = 0;
-    while let Some((folder, depth)) = ahead.pop_front() {
-        seen += 1;
-        let name = package_name(&folder);
-        if name.as_deref().map_or_else(|| called(&folder), |name| name == package) {
-            found.push(folder.clone());
-        }
-        if name.is_none() && depth < DEEPEST && seen + ahead.len() < MAX_FOLDERS {
-            ahead.extend(subfolders(&folder).into_iter().map(|folder| (folder, depth + 1)));
-        }
-    }
-    found
+/// Whether a folder is the package, when its `package.xml` says this name.
+fn is_package(folder: &Path, said: Option<&str>, package: &str) -> bool {
+    said.map_or_else(|| folder.file_name() == Some(package.as_ref()), |name| name == package)
 }
 
 /// The folders in a folder, by name; none where it cannot be read.
 fn subfolders(folder: &Path) -> BTreeSet<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect()
-}
-
-/// The name in a folder's `package.xml`, if it has one.
-fn package_name(folder: &Path) -> Option<String> {
-    let bytes = read_file(&folder.join("package.xml"), PACKAGE_BYTES).ok()?;
-    let document = roxmltree::Document::parse(std::str::from_utf8(&bytes).ok()?).ok()?;
-    let name = document.root_element().children().find(|child| child.has_tag_name("name"))?;
-    Some(name.text()?.trim().to_owned())
 }
 
 /// The text with each `%` and two hexadecimal digits as the byte that they mean.

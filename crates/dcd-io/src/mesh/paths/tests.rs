@@ -137,3 +137,53 @@ fn percent_signs_that_mean_no_byte_stay() {
         assert_eq!(percent_decoded(text), decoded);
     }
 }
+
+#[test]
+fn a_file_of_a_package_is_in_it_whatever_slashes_are_before_it() {
+    let folder = Folder::with(&[("arm/m/a.stl", ""), ("other/b.stl", "")]);
+    let outside = folder.0.join("other/b.stl");
+    let outside = outside.to_str().unwrap().trim_start_matches('/');
+    let given = folder.paths("other").with_package("arm", folder.0.join("arm"));
+    for name in ["package://arm//m/a.stl", "package://arm/%2Fm%2Fa.stl", "model://arm///m/a.stl"] {
+        for paths in [&given, &folder.paths("other")] {
+            assert_eq!(paths.resolve(name).unwrap(), folder.0.join("arm/m/a.stl"), "{name}");
+        }
+    }
+    for before in ["package://arm//", "package://arm/%2F"] {
+        let refused = given.resolve(&format!("{before}{outside}"));
+        assert_eq!(refused.ok(), None, "{before}{outside}");
+    }
+}
+
+#[test]
+fn a_folder_is_the_package_that_its_package_xml_names_and_no_other() {
+    let folder = Folder::with(&[
+        ("ws/arm_description/package.xml", "<package><name>old_arm</name></package>"),
+        ("ws/arm_description/a.stl", ""),
+        ("ws/checkout/package.xml", PACKAGE),
+        ("ws/checkout/a.stl", ""),
+        ("ws/arm_description/b.stl", ""),
+    ]);
+    let beside = folder.paths("ws");
+    let below = folder.paths("").with_roots([folder.0.join("ws")]);
+    for paths in [beside.clone(), below.clone()] {
+        for (name, place) in [("arm_description", "checkout"), ("old_arm", "arm_description")] {
+            let found = paths.resolve(&format!("package://{name}/a.stl")).unwrap();
+            assert_eq!(found, folder.0.join("ws").join(place).join("a.stl"));
+        }
+    }
+    // What no package has is looked for as NAME/FILE beside the naming file.
+    let found = beside.resolve("package://arm_description/b.stl").unwrap();
+    assert_eq!(found, folder.0.join("ws/arm_description/b.stl"));
+    assert_eq!(below.resolve("package://arm_description/b.stl").ok(), None);
+}
+
+#[test]
+fn a_packages_name_is_decoded() {
+    let folder = Folder::with(&[("my arm/a.stl", ""), ("given/a.stl", "")]);
+    let name = "package://my%20ar%6d/a.stl";
+    let beside = folder.paths("");
+    assert_eq!(beside.resolve(name).unwrap(), folder.0.join("my arm/a.stl"));
+    let given = beside.with_package("my arm", folder.0.join("given"));
+    assert_eq!(given.resolve(name).unwrap(), folder.0.join("given/a.stl"));
+}
