@@ -166,8 +166,8 @@ pub(crate) struct Robot {
     /// The request's goal in place of its start
     #[arg(long, requires = "request", conflicts_with_all = NOT_WITH_REQUEST)]
     goal: bool,
-    /// An archive (tar.bz2) of sceneNUMBER.yaml and requestNUMBER.yaml: all are checked, beside
-    /// Parry
+    /// An archive (tar.bz2) of sceneNUMBER.yaml and requestNUMBER.yaml in folders, a set of problems each: all
+    /// are checked, beside Parry
     #[arg(long, value_name = "ARCHIVE")]
     all_problems: Option<PathBuf>,
     /// Write the pairs of links that need no check as an SRDF: Adjacent, Always, and Never within the

@@ -26,7 +26,8 @@ impl Default for Bounds {
 }
 
 /// Hands over each file of the archive that is wanted, as text, while the archive is unpacked: no more
-/// than one is in memory.
+/// than one is in memory. A link or folder of a wanted name is refused. Archives behind the first one's end are
+/// read like it.
 pub(super) fn each_file<E: From<io::Error>>(
     packed: impl Read,
     bounds: Bounds,
@@ -34,11 +35,16 @@ pub(super) fn each_file<E: From<io::Error>>(
     mut each: impl FnMut(&Path, &str) -> Result<(), E>,
 ) -> Result<(), E> {
     let unpacked = Bounded { inner: MultiBzDecoder::new(packed), left: bounds.total, bounds };
-    for entry in tar::Archive::new(unpacked).entries()? {
+    let mut archive = tar::Archive::new(unpacked);
+    archive.set_ignore_zeros(true);
+    for entry in archive.entries()? {
         let entry = entry?;
         let path = entry.path()?.into_owned();
-        if !entry.header().entry_type().is_file() || !wanted(&path) {
+        if !wanted(&path) {
             continue;
+        }
+        if !entry.header().entry_type().is_file() {
+            return Err(invalid(format!("{path:?} is no regular file")).into());
         }
         // The size in the header is no evidence: holes are not in the archive.
         let mut bytes = Vec::new();
@@ -46,17 +52,19 @@ pub(super) fn each_file<E: From<io::Error>>(
         if bytes.len() as u64 > bounds.entry {
             return Err(too_large(&format!("{path:?} unpacks"), bounds.entry).into());
         }
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let what = format!("{path:?} is no UTF-8: {}", error.utf8_error());
-            io::Error::new(io::ErrorKind::InvalidData, what)
-        })?;
+        let text = String::from_utf8(bytes)
+            .map_err(|error| invalid(format!("{path:?} is no UTF-8: {}", error.utf8_error())))?;
         each(&path, &text)?;
     }
     Ok(())
 }
 
 fn too_large(what: &str, most: u64) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, format!("{what} to more than {most} bytes"))
+    invalid(format!("{what} to more than {most} bytes"))
+}
+
+fn invalid(what: String) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, what)
 }
 
 /// A reader that fails where it has given all that it may.
@@ -146,5 +154,31 @@ mod tests {
         let names = files(&two, Bounds::default()).unwrap();
         assert_eq!(names, files(&one, Bounds::default()).unwrap());
         assert_eq!(names.len(), 2);
+    }
+
+    #[test]
+    fn archives_behind_the_first_ones_end_are_read_and_what_is_none_is_refused() {
+        let [one, two] = ["a/scene1.yaml", "a/request1.yaml"].map(|name| archive(&[(name, 3)]));
+        let both = [one.clone(), two].concat();
+        assert_eq!(files(&both, Bounds::default()).unwrap().len(), 2);
+        let torn = [one, packed(&[b'x'; 512])].concat();
+        assert!(files(&torn, Bounds::default()).is_err());
+    }
+
+    #[test]
+    fn a_link_or_a_folder_of_a_wanted_name_is_refused() {
+        for kind in [tar::EntryType::Link, tar::EntryType::Symlink, tar::EntryType::Directory] {
+            let archive = |name: &str| {
+                let mut tar = tar::Builder::new(Vec::new());
+                let mut header = tar::Header::new_gnu();
+                header.set_entry_type(kind);
+                header.set_size(0);
+                tar.append_link(&mut header, name, "a/scene1.yaml").unwrap();
+                packed(&tar.into_inner().unwrap())
+            };
+            let refused = files(&archive("a/scene2.yaml"), Bounds::default()).unwrap_err();
+            assert_eq!(refused.to_string(), "\"a/scene2.yaml\" is no regular file", "{kind:?}");
+            assert!(files(&archive("a/latest"), Bounds::default()).unwrap().is_empty());
+        }
     }
 }

@@ -26,7 +26,7 @@ pub struct Problem {
 /// # Errors
 /// An archive that cannot be read, holds no problem, or unpacks to more than [`LARGEST_ENTRY`] bytes a
 /// file or [`LARGEST_ARCHIVE`] in all; a scene without its request or a request without its scene, or two
-/// of one name; what is wrong in one of them, by its path in the archive.
+/// of one name; one in no folder, or a link of such a name; what is wrong in one of them, by its path in the archive.
 ///
 /// [`LARGEST_ENTRY`]: super::LARGEST_ENTRY
 /// [`LARGEST_ARCHIVE`]: super::LARGEST_ARCHIVE
@@ -44,8 +44,12 @@ pub fn problems_in(packed: impl Read, archive: &Path) -> Result<Vec<Problem>, Ro
     let wanted = |path: &Path| kind_of(path).is_some();
     each_file(packed, Bounds::default(), wanted, |path, text| {
         let Some((key, kind)) = kind_of(path) else { return Ok(()) };
-        let slot = halves.entry(key).or_default();
         let inside = |error: RobotError| Stop::Robot(error.inside(archive.join(path)));
+        if key.0.is_empty() {
+            let (user, why) = (dcd_io::shown(path), "it is in no folder".to_owned());
+            return Err(Stop::Robot(RobotError::Refused { user, why }.inside(archive)));
+        }
+        let slot = halves.entry(key).or_default();
         let twice = match kind {
             Kind::Scene => slot.scene.replace(PlanningScene::read(text).map_err(inside)?).is_some(),
             Kind::Request => slot.request.replace(Request::read(text).map_err(inside)?).is_some(),
@@ -94,9 +98,9 @@ enum Kind {
     Request,
 }
 
-/// The set and number of a file that belongs to a problem, by its path.
+/// The set and number of a file that belongs to a problem, by its path. The set of what is in no folder is empty.
 fn kind_of(path: &Path) -> Option<((String, String), Kind)> {
-    let set = path.parent()?.file_name()?.to_str()?;
+    let set = path.parent()?.file_name().unwrap_or_default().to_str()?;
     let stem = path.file_name()?.to_str()?.strip_suffix(".yaml")?;
     let (kind, number) = match (stem.strip_prefix("scene"), stem.strip_prefix("request")) {
         (Some(number), _) => (Kind::Scene, number),
@@ -131,7 +135,8 @@ mod tests {
             Some(((set, number), Kind::Scene)) if set == "cage" && number == "0012"
         ));
         assert!(matches!(kind("cage/request1.yaml"), Some((_, Kind::Request))));
-        for other in ["scene1.yaml", "cage/scene.yaml", "cage/scene1.txt", "cage/config.yaml"] {
+        assert!(matches!(kind("./scene1.yaml"), Some(((set, _), Kind::Scene)) if set.is_empty()));
+        for other in ["scene.yaml", "cage/scene.yaml", "cage/scene1.txt", "cage/config.yaml"] {
             assert!(kind(other).is_none(), "{other}");
         }
     }
@@ -175,6 +180,8 @@ mod tests {
         assert!(refusal(&[scene]).contains("no request \"a/1\""));
         assert!(refusal(&[request]).contains("no scene \"a/1\""));
         assert!(refusal(&[scene, request, scene]).contains("two of file \"a/scene1.yaml\""));
+        let plain = refusal(&[scene, request, ("request1.yaml", REQUEST)]);
+        assert_eq!(plain, "x.tar.bz2: request1.yaml: it is in no folder");
     }
 
     #[test]
