@@ -21,7 +21,8 @@ pub fn gltf(bytes: &[u8]) {
 /// What is read is a shape, and the up axis turns it as a whole; each error has words.
 fn read(bytes: &[u8], format: MeshFormat) {
     let [ros, file] = [UpAxis::Ros, UpAxis::File]
-        .map(|up_axis| TriangleMesh::read(bytes, format, &MeshOptions { up_axis, folder: None }));
+        .map(|up_axis| MeshOptions { up_axis, ..MeshOptions::default() })
+        .map(|options| TriangleMesh::read(bytes, format, &options));
     let (ros, file) = match (ros, file) {
         (Ok(ros), Ok(file)) => (ros, file),
         (Err(error), Err(_)) => return assert!(!error.to_string().is_empty()),

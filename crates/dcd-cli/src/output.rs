@@ -39,6 +39,12 @@ impl Output {
         Ok(Self { path: path.to_path_buf(), to })
     }
 
+    /// Checks that it is none of the files that turned out to be inputs after it was made.
+    pub(crate) fn check_no_input(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        check_distinct(&inputs, &[&self.path])
+    }
+
     /// Writes into it.
     pub(crate) fn write(
         &mut self,

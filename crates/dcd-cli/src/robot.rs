@@ -212,8 +212,11 @@ struct Answer {
 
 impl Robot {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let lines::Outputs { glb, certificate } = self.outputs()?;
-        let model = Model::load_with(&self.urdf, &self.meshes()?).map_err(refused)?;
+        let outputs = self.outputs()?;
+        let meshes = self.meshes()?;
+        let model = Model::load_with(&self.urdf, &meshes).map_err(refused)?;
+        let opened = meshes.paths.opened().paths();
+        outputs.check_no_input(&opened)?;
         note(&self.urdf, model.notes());
         // One object of JSON says it by itself; lines of it do not.
         if !self.json || self.states.is_some() || self.edges.is_some() {
@@ -225,13 +228,14 @@ impl Robot {
             None => AllowedPairs::adjacent(&model),
         };
         if let Some(path) = self.states.as_ref().or(self.edges.as_ref()) {
-            let outputs = lines::Outputs { glb, certificate };
             return self.answer_lines((&model, srdf.as_ref()), allowed, path, outputs);
         }
         if let Some(out) = &self.acm {
             let search = PairSearch { samples: self.samples, ..PairSearch::default() };
-            let (allow_default, urdf) = (self.allow_default, self.urdf.as_path());
-            let found = acm::Acm { search, allow_default, out, urdf }.write(&model)?;
+            let read: Vec<&Path> =
+                opened.iter().chain([&self.urdf]).map(PathBuf::as_path).collect();
+            let allow_default = self.allow_default;
+            let found = acm::Acm { search, allow_default, out, read: &read }.write(&model)?;
             let text = if self.json { found.json() } else { found.text() };
             return stdout().write_all(text.as_bytes()).map_err(Failure::Output);
         }
@@ -247,7 +251,7 @@ impl Robot {
                 if self.json { checked.json() } else { checked.text() }
             }
             None => {
-                let answer = self.check(model, srdf.as_ref(), allowed, glb)?;
+                let answer = self.check(model, srdf.as_ref(), allowed, outputs.glb)?;
                 if self.json { answer.json() } else { answer.text() }
             }
         };

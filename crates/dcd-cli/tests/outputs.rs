@@ -60,6 +60,51 @@ fn an_output_that_is_the_input_is_refused_however_it_is_spelt() {
     }
 }
 
+/// A tetrahedron.
+const MESH: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/// A triangle whose corners are in a file beside.
+const TOOL: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"uri": "tool.bin", "byteLength": 36}]}"#;
+
+#[test]
+fn an_output_that_a_robot_or_a_state_names_is_refused() {
+    let folder = Folder::new();
+    let named = ["body.obj", "package.xml", "tool.gltf", "tool.bin", "held.obj"];
+    let corners = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes).concat();
+    let package = "<package><name>arm</name></package>";
+    let contents =
+        [MESH.as_bytes(), package.as_bytes(), TOOL.as_bytes(), &corners, MESH.as_bytes()];
+    for (name, content) in named.iter().zip(contents) {
+        fs::write(folder.at(name), content).unwrap();
+    }
+    let mesh = |file: &str| {
+        format!("<collision><geometry><mesh filename=\"{file}\"/></geometry></collision>")
+    };
+    let (body, tool) = (mesh("package://arm/body.obj"), mesh("tool.gltf"));
+    let urdf = format!("<robot name=\"arm\"><link name=\"body\">{body}{tool}</link></robot>");
+    let attached = r#"[{"name": "rod", "link": "body", "shape": {"mesh": "held.obj"}}]"#;
+    fs::write(folder.at("arm.urdf"), urdf).unwrap();
+    fs::write(folder.at("states"), format!("{{\"q\": [], \"attached\": {attached}}}\n")).unwrap();
+    let [urdf, states] = ["arm.urdf", "states"].map(|name| folder.at(name));
+    let before = folder.names();
+    for (name, content) in named.iter().zip(contents) {
+        let output = folder.at(name);
+        for flag in ["--glb", "--acm"] {
+            if *name != "held.obj" {
+                dcd(&["robot", text(&urdf), flag, text(&output)])
+                    .assert_refused(&[name, "it is an input"]);
+            }
+        }
+        let ran = dcd(&["robot", text(&urdf), "--states", text(&states), "--glb", text(&output)]);
+        assert!(ran.code == Some(2) && ran.stderr.contains("it is an input"), "{name}: {ran:?}");
+        assert_eq!(fs::read(&output).unwrap(), content, "{name}");
+        assert_eq!(folder.names(), before);
+    }
+}
+
 #[test]
 fn two_outputs_that_are_one_file_are_refused() {
     let folder = Folder::new();

@@ -48,7 +48,7 @@ pub use lines::{LONGEST_LINE, read_lines};
 #[cfg(feature = "meshes")]
 pub use mesh::{
     MeshError, MeshFormat, MeshNotFound, MeshOptions, MeshPaths, MeshPlace, MeshWarning,
-    TriangleMesh, UpAxis, load_mesh, load_obj, read_obj,
+    OpenedFiles, TriangleMesh, UpAxis, load_mesh, load_obj, read_obj,
 };
 pub use pairs::{PairError, PairFault, PairInput, read_pair, read_pairs};
 pub use ply::{RawMesh, load_ply, read_ply};

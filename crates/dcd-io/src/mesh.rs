@@ -4,6 +4,7 @@ mod collada;
 mod error;
 mod gltf;
 mod obj;
+mod opened;
 mod paths;
 mod stl;
 mod triangles;
@@ -15,6 +16,7 @@ use glam::DVec3;
 use std::path::Path;
 
 pub use error::{MeshError, MeshPlace};
+pub use opened::OpenedFiles;
 pub use paths::{MeshNotFound, MeshPaths};
 pub use triangles::{MeshFormat, MeshOptions, MeshWarning, TriangleMesh, UpAxis};
 

@@ -107,7 +107,7 @@ fn change() -> impl Strategy<Value = Change> {
 
 fn check(bytes: &[u8], format: MeshFormat) {
     for up_axis in [UpAxis::Ros, UpAxis::File] {
-        let options = MeshOptions { up_axis, folder: None };
+        let options = MeshOptions { up_axis, ..MeshOptions::default() };
         match TriangleMesh::read(bytes, format, &options) {
             Ok(mesh) => {
                 assert!(mesh.vertices.iter().all(|vertex| vertex.is_finite()));

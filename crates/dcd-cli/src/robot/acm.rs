@@ -14,8 +14,8 @@ pub(super) struct Acm<'a> {
     /// Whether pairs that touch at rest are written too.
     pub(super) allow_default: bool,
     pub(super) out: &'a Path,
-    /// The robot's file.
-    pub(super) urdf: &'a Path,
+    /// The robot's file and those that it names.
+    pub(super) read: &'a [&'a Path],
 }
 
 /// How many pairs there are for each reason.
@@ -34,7 +34,7 @@ pub(super) struct Counted {
 impl Acm<'_> {
     /// Searches the pairs and writes them.
     pub(super) fn write(&self, robot: &Robot) -> Result<Counted, Failure> {
-        check_distinct(&[self.urdf], &[self.out])?;
+        check_distinct(self.read, &[self.out])?;
         let mut output = Output::create(self.out)?;
         let progress = Progress::over(1, "looking for pairs that need no check");
         let mut pairs = self.search.run(robot).map_err(refused)?;

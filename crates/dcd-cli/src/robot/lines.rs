@@ -16,7 +16,7 @@ use serde::Serialize;
 use serde_json::json;
 use std::fs::File;
 use std::io::{BufReader, IsTerminal, Write, stdout};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// How many lines are read before they are checked.
@@ -95,6 +95,14 @@ pub(super) struct Outputs {
     pub(super) certificate: Option<Output>,
 }
 
+impl Outputs {
+    /// [`Output::check_no_input`] of each.
+    pub(super) fn check_no_input(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let mut outputs = [&self.glb, &self.certificate].into_iter().flatten();
+        outputs.try_for_each(|output| output.check_no_input(inputs))
+    }
+}
+
 /// The first key of the output for a line.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -148,7 +156,7 @@ pub(super) fn answer<Q: Question>(
     question: &Q,
     given: &Given<'_>,
     path: &Path,
-    Outputs { glb, certificate }: Outputs,
+    outputs: Outputs,
 ) -> Result<(), Failure> {
     let place = shown(path);
     let file = File::open(path).map_err(|error| Failure::at(&place, error))?;
@@ -158,9 +166,8 @@ pub(super) fn answer<Q: Question>(
     // Lines on a terminal are progress enough.
     let progress = (!out.is_terminal()).then(|| Progress::over(0, Q::PLURAL));
     let mut lines = read_lines(BufReader::new(file));
-    let mut drawing = glb.map(Drawing::new);
-    let block_size = if certificate.is_some() { BLOCK_OF_PROOFS } else { BLOCK };
-    let mut proofs = certificate.map(Proofs::new);
+    let block_size = if outputs.certificate.is_some() { BLOCK_OF_PROOFS } else { BLOCK };
+    let mut beside = Beside::new(outputs);
     let (mut tally, checkers, mut answers) =
         (Tally::new(Q::PLURAL), PerThread::default(), Segments::default());
     loop {
@@ -186,14 +193,7 @@ pub(super) fn answer<Q: Question>(
             });
         });
         for (line, item) in answers.iter().flatten().zip(&block) {
-            if let (Some(drawing), Outcome::Checked(answer), Ok(item)) =
-                (&mut drawing, &line.outcome, item)
-            {
-                drawing.draw::<Q>(given.robot, (line.which, item, answer));
-            }
-            if let Some(proofs) = &mut proofs {
-                proofs.add::<Q>(line, &place)?;
-            }
+            beside.add::<Q>(given.robot, (line, item), &place)?;
             if let Outcome::Refused { error } = &line.outcome {
                 print_message(format_args!("{place}: {error}"));
                 tally.refused += 1;
@@ -204,8 +204,7 @@ pub(super) fn answer<Q: Question>(
         tally.lines += block.len();
     }
     drop(progress);
-    drawing.map(|drawing| drawing.write(given)).transpose()?;
-    let missing = proofs.map_or(Ok(0), Proofs::commit)?;
+    let missing = beside.write(given)?;
     tally.end(&place)?;
     if missing > 0 {
         return Err(Failure::at(place, format_args!("{missing} free edges have no certificate")));
@@ -229,6 +228,43 @@ fn line_of<Q: Question>(
         Outcome::Checked,
     );
     Line { which: Q::which(k), outcome }
+}
+
+/// What is written beside the answers.
+struct Beside {
+    drawing: Option<Drawing>,
+    proofs: Option<Proofs>,
+}
+
+impl Beside {
+    fn new(Outputs { glb, certificate }: Outputs) -> Self {
+        Self { drawing: glb.map(Drawing::new), proofs: certificate.map(Proofs::new) }
+    }
+
+    fn add<Q: Question>(
+        &mut self,
+        robot: &Robot,
+        (line, item): (&Line<Q::Answer>, &Result<Q::Item, String>),
+        place: &str,
+    ) -> Result<(), Failure> {
+        let Self { drawing, proofs } = self;
+        if let (Some(drawing), Outcome::Checked(answer), Ok(item)) = (drawing, &line.outcome, item)
+        {
+            drawing.draw::<Q>(robot, (line.which, item, answer));
+        }
+        proofs.as_mut().map_or(Ok(()), |proofs| proofs.add::<Q>(line, place))
+    }
+
+    /// Writes the files, and says how many free edges are not proved in theirs.
+    fn write(self, given: &Given<'_>) -> Result<usize, Failure> {
+        let Self { drawing, proofs } = self;
+        // Lines name meshes too.
+        let opened = given.meshes.paths.opened().paths();
+        let files = [drawing.as_ref().map(|to| &to.file), proofs.as_ref().map(|to| &to.file)];
+        files.into_iter().flatten().try_for_each(|file| file.check_no_input(&opened))?;
+        drawing.map(|drawing| drawing.write(given)).transpose()?;
+        proofs.map_or(Ok(0), Proofs::commit)
+    }
 }
 
 /// A certificate that is written line by line.

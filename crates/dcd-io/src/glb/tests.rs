@@ -33,7 +33,7 @@ fn document(bytes: &[u8]) -> gltf::Gltf {
 fn what_is_written_is_read_again_as_the_same_triangles() {
     let scene = scene();
     let bytes = written(&GlbScene::new(&scene));
-    let options = MeshOptions { up_axis: UpAxis::File, folder: None };
+    let options = MeshOptions { up_axis: UpAxis::File, ..MeshOptions::default() };
     let mesh = TriangleMesh::read(&bytes, MeshFormat::Gltf, &options).unwrap();
     // A box, a square, a prism of 32 sides: two ends of 30 triangles and 64 of the sides.
     assert_eq!(mesh.triangles.len(), 12 + 2 + 2 * 30 + 64);

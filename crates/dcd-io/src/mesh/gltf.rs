@@ -38,7 +38,7 @@ pub(super) fn read(bytes: &[u8], options: &MeshOptions) -> Result<TriangleMesh, 
     check_transforms(&json)?;
     let document = Document::from_json(json).map_err(invalid)?;
     check_extensions(&document)?;
-    let buffers = buffers::load(&document, blob, options.folder.as_deref())?;
+    let buffers = buffers::load(&document, blob, options)?;
     let mut walk = Walk {
         accessors: Accessors { buffers: &buffers },
         read: HashMap::new(),

@@ -1,5 +1,6 @@
 //! Where a mesh file is that a URDF or a scene names.
 
+use super::OpenedFiles;
 use crate::bytes::{PACKAGE_BYTES, read_file};
 use std::collections::{BTreeSet, VecDeque};
 use std::fmt;
@@ -23,11 +24,12 @@ const MAX_FOLDERS: usize = 10_000;
 /// Where no package has the file, `FILE` and `NAME/FILE` are looked for beside or above the naming file.
 /// The first that exists is taken. `%20` and its like are decoded in NAME, and tried as they are and
 /// decoded in `FILE`, which is taken from the package's folder also where it begins with a slash.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct MeshPaths {
     folder: PathBuf,
     packages: Vec<(String, PathBuf)>,
     roots: Vec<PathBuf>,
+    opened: OpenedFiles,
 }
 
 /// A mesh that is in none of the places where it could be.
@@ -45,7 +47,15 @@ impl MeshPaths {
     pub fn new(folder: &Path) -> Self {
         // The parent of a bare file name is empty: the current folder.
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        Self { folder: folder.to_path_buf(), packages: Vec::new(), roots: Vec::new() }
+        let (packages, roots) = (Vec::new(), Vec::new());
+        Self { folder: folder.to_path_buf(), packages, roots, opened: OpenedFiles::default() }
+    }
+
+    /// The files that were opened through these paths and their clones: each `package.xml`, and what
+    /// others add.
+    #[must_use]
+    pub fn opened(&self) -> &OpenedFiles {
+        &self.opened
     }
 
     /// The paths for the names in a file of another folder.
@@ -152,7 +162,9 @@ impl MeshPaths {
 
     /// The name in a folder's `package.xml`, if it has one.
     fn package_name(&self, folder: &Path) -> Option<String> {
-        let bytes = read_file(&folder.join("package.xml"), PACKAGE_BYTES).ok()?;
+        let path = folder.join("package.xml");
+        let bytes = read_file(&path, PACKAGE_BYTES).ok()?;
+        self.opened.add(&path);
         let document = roxmltree::Document::parse(std::str::from_utf8(&bytes).ok()?).ok()?;
         let name = document.root_element().children().find(|child| child.has_tag_name("name"))?;
         Some(name.text()?.trim().to_owned())

@@ -1,6 +1,6 @@
 //! A triangle mesh as a file has it, whichever format that is.
 
-use super::{MeshError, collada, gltf, obj, stl};
+use super::{MeshError, OpenedFiles, collada, gltf, obj, stl};
 use crate::bytes::{MESH_BYTES, read_file};
 use crate::{RawMesh, read_ply};
 use glam::DVec3;
@@ -109,6 +109,8 @@ pub struct MeshOptions {
     /// The folder of other files that the mesh names (a glTF's buffers); without it they are
     /// refused.
     pub folder: Option<PathBuf>,
+    /// To which they are added when they are opened.
+    pub opened: OpenedFiles,
 }
 
 impl MeshFormat {
@@ -166,9 +168,23 @@ impl TriangleMesh {
     /// Those of [`Self::read`] and [`MeshFormat::of`], and those of reading the file, which has at
     /// most 2 GiB, all with its path.
     pub fn load(path: &Path, up_axis: UpAxis) -> Result<Self, MeshError> {
+        Self::load_noting(path, up_axis, &OpenedFiles::default())
+    }
+
+    /// [`Self::load`], which adds the file and those that it names to a list.
+    ///
+    /// # Errors
+    /// Those of [`Self::load`].
+    pub fn load_noting(
+        path: &Path,
+        up_axis: UpAxis,
+        opened: &OpenedFiles,
+    ) -> Result<Self, MeshError> {
         let format = MeshFormat::of(path).map_err(|error| error.inside(path))?;
         let bytes = read_file(path, MESH_BYTES).map_err(MeshError::io(path))?;
-        let options = MeshOptions { up_axis, folder: path.parent().map(Path::to_path_buf) };
+        opened.add(path);
+        let folder = path.parent().map(Path::to_path_buf);
+        let options = MeshOptions { up_axis, folder, opened: opened.clone() };
         Self::read(&bytes, format, &options).map_err(|error| error.inside(path))
     }
 

@@ -1,6 +1,6 @@
 //! The bytes of a glTF's buffers: in the binary file, in a data URI, or in a file beside it.
 
-use super::super::{MeshError, paths::percent_decoded};
+use super::super::{MeshError, MeshOptions, paths::percent_decoded};
 use super::refused;
 use crate::bytes::{MESH_BYTES, read_file};
 use base64::Engine as _;
@@ -13,7 +13,7 @@ use std::path::Path;
 pub(super) fn load(
     document: &Document,
     mut blob: Option<Vec<u8>>,
-    folder: Option<&Path>,
+    options: &MeshOptions,
 ) -> Result<Vec<Vec<u8>>, MeshError> {
     let load = |buffer: gltf::Buffer<'_>| {
         let path = format!("buffers[{}]", buffer.index());
@@ -23,7 +23,7 @@ pub(super) fn load(
             }
             Source::Uri(uri) => match uri.strip_prefix("data:") {
                 Some(data) => embedded(data).map_err(|problem| refused(&path, problem))?,
-                None => beside(uri, folder, &path)?,
+                None => beside(uri, options, &path)?,
             },
         };
         if bytes.len() < buffer.length() {
@@ -43,8 +43,8 @@ fn embedded(data: &str) -> Result<Vec<u8>, String> {
 }
 
 /// A file beside the mesh's own.
-fn beside(uri: &str, folder: Option<&Path>, path: &str) -> Result<Vec<u8>, MeshError> {
-    let Some(folder) = folder else {
+fn beside(uri: &str, options: &MeshOptions, path: &str) -> Result<Vec<u8>, MeshError> {
+    let Some(folder) = &options.folder else {
         return Err(refused(path, format!("{uri:?} is in another file")));
     };
     let places = [folder.join(uri), folder.join(percent_decoded(uri))];
@@ -54,5 +54,6 @@ fn beside(uri: &str, folder: Option<&Path>, path: &str) -> Result<Vec<u8>, MeshE
         let problem = format!("{uri:?} is no file below {}", crate::shown(folder));
         return Err(refused(path, problem));
     };
+    options.opened.add(file);
     read_file(file, MESH_BYTES).map_err(MeshError::io(file))
 }

@@ -93,7 +93,7 @@ fn every_instance_is_moved_by_all_nodes_above_it() {
 #[test]
 fn y_is_up_unless_coordinates_are_taken_as_they_are() {
     for (up_axis, third) in [(UpAxis::Ros, DVec3::Y), (UpAxis::File, DVec3::Z)] {
-        let options = MeshOptions { up_axis, folder: None };
+        let options = MeshOptions { up_axis, ..MeshOptions::default() };
         let mesh = read(one_node().to_string().as_bytes(), &options).unwrap();
         assert_eq!(mesh.vertices[2], third);
         assert_eq!(mesh.warnings, [MeshWarning::UpAxis { axis: "y", taken: up_axis }]);
