@@ -20,7 +20,7 @@ use std::path::PathBuf;
 
 const DETAILS: &str = r#"FILE holds a pair a line:
   {"name": "…", "a": [[x, y, z], …], "pose_a": {"R": [[…3], …3 rows], "t": [x, y, z]}, "b": …, "pose_b": …}
-Points in metres in the shape's own frame; R row by row, or a unit quaternion q = [x, y, z, w] in its place. Other keys are refused, but for "name" and those that begin with an underscore; so is a line of more than 268,435,456 bytes, and JSON nested deeper than 127 but under a name that begins so. The file may begin with a byte order mark.
+Points in metres in the shape's own frame; R row by row, or a unit quaternion q = [x, y, z, w] in its place. Other keys are refused, but for "name" and those that begin with an underscore; so is JSON nested deeper than 127 but under a name that begins so. A line of more than 268,435,456 bytes ends the run. The file may begin with a byte order mark.
 
 A line comes out for each, in order:
   {"name": "…", "answer": "apart"|"touching"|"undecided", "method": "…", …}
@@ -115,7 +115,8 @@ impl Pairs {
         let (mut lines, mut refused) = (0u64, 0u64);
         for item in read_pairs(reader) {
             lines += 1;
-            let read = item.map_err(|error| Failure::at(&place, error))?;
+            let read =
+                item.map_err(|error| Failure::at(&place, format_args!("line {lines}: {error}")))?;
             let (name, outcome) = match read {
                 Ok(pair) => {
                     let (name, answer) = self.answer(pair, &mut solvers);

@@ -142,6 +142,28 @@ fn a_run_that_is_refused_leaves_the_old_output() {
     assert_eq!(folder.names(), ["broken", "out", "scene"]);
 }
 
+#[test]
+fn states_that_are_all_refused_leave_the_old_picture() {
+    let folder = Folder::new();
+    let urdf = "<robot name=\"arm\"><link name=\"body\"><collision><geometry><sphere radius=\"1\"/></geometry>\
+                </collision></link></robot>";
+    let [robot, states, glb] = ["arm.urdf", "states", "old.glb"].map(|name| folder.at(name));
+    fs::write(&robot, urdf).unwrap();
+    fs::write(&glb, "old").unwrap();
+    let draw = |lines: &str| {
+        fs::write(&states, lines).unwrap();
+        dcd(&["robot", text(&robot), "--states", text(&states), "--glb", text(&glb)])
+    };
+    for lines in ["", "{}\n{\"q\": [1]}\n"] {
+        assert_eq!(draw(lines).code, Some(2), "{lines}");
+        assert_eq!(fs::read(&glb).unwrap(), b"old");
+        assert_eq!(folder.names(), ["arm.urdf", "old.glb", "scene", "states"]);
+    }
+    // Where one is answered it is drawn.
+    assert_eq!(draw("{}\n{\"q\": []}\n").code, Some(2));
+    assert!(fs::read(&glb).unwrap().starts_with(b"glTF"));
+}
+
 /// A shell, for what only a shell can set up: limits, redirections.
 #[cfg(unix)]
 fn shell(script: &str, arguments: &[&Path]) -> std::process::Output {

@@ -217,3 +217,23 @@ fn many_states_of_a_robot_of_spheres_are_answered_as_few() {
     let free = together.iter().filter(|(free, ..)| *free == json!(true)).count();
     assert!((20..580).contains(&free), "{free}");
 }
+
+#[test]
+fn a_line_without_an_end_ends_the_run_after_the_answers_to_those_before() {
+    let folder = Folder::new("endless");
+    let urdf = folder.file("arm.urdf", ARM);
+    let first = r#"{"q": [0, 0], "from": [0, 0], "to": [0, 1]}"#;
+    for (flag, keys, answer) in [("--states", "q", "state"), ("--edges", "from to", "edge")] {
+        let mut line: Value = serde_json::from_str(first).unwrap();
+        line.as_object_mut().unwrap().retain(|key, _| keys.contains(key.as_str()));
+        let path = folder.file("lines.jsonl", &format!("{line}\n{line}\n"));
+        let file = std::fs::File::options().write(true).open(&path).unwrap();
+        // A hole, which takes no room on the disk.
+        file.set_len(dcd_io::LONGEST_LINE + 1000).unwrap();
+        let ran = dcd(&["robot", &urdf, flag, &path]);
+        assert_eq!(ran.code, Some(2), "{ran:?}");
+        assert!(ran.stderr.contains("lines.jsonl: line 3: a line is longer than"), "{ran:?}");
+        let found = lines(&ran.stdout);
+        assert_eq!((found.len(), &found[1][answer]), (2, &json!(1)), "{ran:?}");
+    }
+}

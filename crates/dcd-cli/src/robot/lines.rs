@@ -15,7 +15,7 @@ use dcd_robot::{
 use serde::Serialize;
 use serde_json::json;
 use std::fs::File;
-use std::io::{BufReader, IsTerminal, Write, stdout};
+use std::io::{self, BufReader, IsTerminal, Write, stdout};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -171,14 +171,7 @@ pub(super) fn answer<Q: Question>(
     let (mut tally, checkers, mut answers) =
         (Tally::new(Q::PLURAL), PerThread::default(), Segments::default());
     loop {
-        let mut block = Vec::new();
-        for line in lines.by_ref().take(block_size) {
-            let line = line.map_err(|error| Failure::at(&place, error))?;
-            block.push(Q::read(&mut reader, &line).map_err(|error| error.to_string()));
-        }
-        if block.is_empty() {
-            break;
-        }
+        let (block, ended) = read_block::<Q>(&mut lines, &mut reader, block_size);
         for (k, item) in (tally.lines..).zip(&block) {
             tally.note_limits(given.robot, item.as_ref().map_or(&[], Q::states), (&place, k + 1));
         }
@@ -202,14 +195,42 @@ pub(super) fn answer<Q: Question>(
             out.write_all(b"\n").map_err(Failure::Output)?;
         }
         tally.lines += block.len();
+        if let Some(error) = ended {
+            let line = tally.lines + 1;
+            return Err(Failure::at(&place, format_args!("line {line}: {error}")));
+        }
+        if block.is_empty() {
+            break;
+        }
     }
     drop(progress);
+    // The old files are better than those of no answer.
+    if tally.refused == tally.lines {
+        return tally.end(&place);
+    }
     let missing = beside.write(given)?;
     tally.end(&place)?;
     if missing > 0 {
         return Err(Failure::at(place, format_args!("{missing} free edges have no certificate")));
     }
     Ok(())
+}
+
+/// What the next lines say, up to `most`, and why there are no more if reading fails: what stands before that is
+/// answered.
+fn read_block<Q: Question>(
+    lines: &mut impl Iterator<Item = io::Result<Vec<u8>>>,
+    reader: &mut StateReader<'_>,
+    most: usize,
+) -> (Vec<Result<Q::Item, String>>, Option<io::Error>) {
+    let mut block = Vec::new();
+    for line in lines.take(most) {
+        match line {
+            Ok(line) => block.push(Q::read(reader, &line).map_err(|error| error.to_string())),
+            Err(error) => return (block, Some(error)),
+        }
+    }
+    (block, None)
 }
 
 /// What comes out for the item of line k, counted from 0, or for why it is none.
