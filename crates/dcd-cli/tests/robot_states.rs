@@ -51,6 +51,24 @@ fn a_line_comes_out_for_each_state_and_a_refused_one_does_not_end_the_run() {
 }
 
 #[test]
+fn the_names_of_a_pair_are_sorted_and_so_are_the_pairs_of_states_and_edges() {
+    let folder = Folder::new("sorted");
+    let urdf = folder.file("arm.urdf", ARM);
+    // Named before every link, the box is the lower link's obstacle and what the upper carries.
+    let world = folder.file("a.yaml", &WALL.replace("wall", "a wall"));
+    let attached = r#"[{"name": "a rod", "link": "upper", "shape": {"box": [6, 0.1, 0.1]}}]"#;
+    let states = format!("{{\"q\": [0, 0], \"attached\": {attached}}}\n");
+    let states = folder.file("states.jsonl", &states);
+    let ran = dcd(&["robot", &urdf, "--world", &world, "--states", &states]);
+    let contacts =
+        [["a rod", "a wall"], ["a rod", "base"], ["a rod", "lower"], ["a wall", "lower"]];
+    assert_eq!(lines(&ran.stdout)[0]["contacts"], json!(contacts), "{ran:?}");
+    let edges = folder.file("edges.jsonl", "{\"from\": [0, 1], \"to\": [0, 0]}\n");
+    let ran = dcd(&["robot", &urdf, "--world", &world, "--edges", &edges]);
+    assert_eq!(lines(&ran.stdout)[0]["pair"], json!(["a wall", "lower"]), "{ran:?}");
+}
+
+#[test]
 fn a_clearance_is_reported_with_its_pair_and_its_derivatives() {
     let folder = Folder::new("clearance");
     let (urdf, wall) = (folder.file("arm.urdf", ARM), folder.file("wall.yaml", WALL));
@@ -149,9 +167,17 @@ fn many_states_of_the_panda_are_answered_as_one_by_one() {
         let one = dcd(&["robot", &urdf, "--srdf", srdf, "--json", "--state", &values.join(",")]);
         assert_eq!(one.code, Some(0), "{one:?}");
         let one: Value = serde_json::from_str(&one.stdout).unwrap();
-        assert_eq!(found[k]["contacts"], one["touching"], "{k}");
+        let touching: Vec<[String; 2]> = serde_json::from_value(one["touching"].clone()).unwrap();
+        let mut touching = touching.into_iter().map(sorted).collect::<Vec<_>>();
+        touching.sort();
+        assert_eq!(found[k]["contacts"], json!(touching), "{k}");
         assert_eq!(found[k]["free"], json!(one["touching"] == json!([])), "{k}");
     }
+}
+
+fn sorted(mut pair: [String; 2]) -> [String; 2] {
+    pair.sort();
+    pair
 }
 
 /// A chain of links of three spheres each, so many.

@@ -1,6 +1,6 @@
 //! Edges from a file, a line each, and a line of JSON for what is proved of them.
 
-use super::lines::{CellCache, Given, Proof, Question, Which};
+use super::lines::{CellCache, Given, Proof, Question, Which, sorted_names};
 use super::picture::Picture;
 use dcd_robot::{
     AttachedObject, EdgeAnswer, EdgeChecker, EdgeRequest, Robot, RobotError, StateReader,
@@ -109,11 +109,7 @@ impl Question for Edges {
         let kept = checker.of(&edge.attached, made)?;
         let checker = &kept.checker;
         let found = checker.check(&edge.path, self.budget)?;
-        let named = |pair: [u32; 2]| {
-            let mut names = checker.cell().names_of(pair.into()).map(str::to_owned);
-            names.sort();
-            names
-        };
+        let named = |pair: [u32; 2]| sorted_names(checker.cell(), pair.into());
         let outcome = match found.answer {
             EdgeAnswer::Free { clearance } => Outcome::Free { clearance },
             EdgeAnswer::Hit { t, pair } => Outcome::Hit { t, pair: named(pair) },

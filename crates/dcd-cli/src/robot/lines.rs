@@ -127,6 +127,13 @@ enum Outcome<A> {
     Refused { error: String },
 }
 
+/// The names of a pair of a cell's objects, sorted.
+pub(super) fn sorted_names(cell: &Workcell, pair: (u32, u32)) -> [String; 2] {
+    let mut names = cell.names_of(pair).map(str::to_owned);
+    names.sort();
+    names
+}
+
 /// What is made for a robot that carries something, kept while lines say the same.
 #[derive(Debug)]
 pub(super) struct CellCache<T>(Option<(Arc<[AttachedObject]>, T)>);

@@ -1,6 +1,6 @@
 //! States from a file, a line each, and a line of JSON for what is found.
 
-use super::lines::{CellCache, Given, Question, Which};
+use super::lines::{CellCache, Given, Question, Which, sorted_names};
 use super::picture::Picture;
 use dcd_geom::Polytope;
 use dcd_pipeline::{Par, Pipeline};
@@ -19,7 +19,7 @@ Joints that an object does not name are where the world has them, else at 0. Wit
   {"name": "…", "link": "…", "touch": ["…"], "shape": …, "pose": {"xyz": [x, y, z], "q": [x, y, z, w]}}
 with one of {"box": [x, y, z]} (edges), {"sphere": radius}, {"cylinder": [radius, length]} (round z) and {"mesh": "file"} (beside the file of states; its hull, or with --links meshes its triangles), the pose in the link's frame. It may touch its link and what "touch" names. Other keys are refused, but for "name" and those that begin with an underscore. A line of more than 268,435,456 bytes ends the run, after the answers to those before it. A line comes out for each, in order, the same at any number of threads:
   {"state": k, "free": true|false|null, "contacts": [["a", "b"], …], "undecided": [["a", "b"], …]}
-k counts from 0; free is true only if every pair is proved apart, false if one is proved touching, else null; undecided is there where a pair is. With --clearance there is also
+k counts from 0; each pair of contacts and of undecided is there once, its names and the pairs sorted; free is true only if every pair is proved apart, false if one is proved touching, else null; undecided is there where a pair is. With --clearance there is also
   "clearance": {"distance": metres, "error_bound": …, "pair": ["a", "b"], "normal": [..], "point_a": [..], "point_b": [..], "gradient": {"joint": …, …}}
 the least signed distance of all pairs that are checked (below 0: how deep they overlap), the bound that holds for it, points and normal (from a to b) in the world, and its derivative by each value of a state; null where there is no pair. A line that is no state comes out as {"state": k, "error": "line …"}, and the run goes on; the exit code is 2 then."#;
 
@@ -70,7 +70,7 @@ impl Kept {
         if self.lines == PREPARED_AFTER && self.is_of_spheres() {
             self.states = StateChecker::new(self.cell.clone()).ok();
         }
-        let named = |pair| self.cell.names_of(pair).map(str::to_owned);
+        let named = |pair| sorted_names(&self.cell, pair);
         let all = self.states.as_ref().and_then(|states| states.all(&[values], Par::Serial).ok());
         let [contacts, undecided]: [BTreeSet<_>; 2] = match all {
             Some(hits) => {
