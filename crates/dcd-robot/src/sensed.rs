@@ -34,15 +34,15 @@ pub struct SensedWorld {
     points: Vec<SensedPoint>,
     /// Half the edges of the box at each point, metres.
     half_extents: DVec3,
-    /// In the order of the cells: x, y, z and radius, each rounded, padded for the lanes past the last.
-    rows: [Vec<f32>; 4],
+    /// In the order of the cells: x, y, z, radius, and the largest coordinate, radius and box together, each rounded,
+    /// padded for the lanes past the last.
+    rows: [Vec<f32>; 5],
     /// Of each in that order its index.
     indices: Vec<u32>,
     /// Of each cell, x first, where its points begin, and the end of the last.
     starts: Vec<u32>,
     cells: Cells,
-    /// The largest of their coordinates, radii and boxes together, and of their radii, metres.
-    size: f64,
+    /// The largest of their radii, metres.
     largest: f64,
 }
 
@@ -50,6 +50,8 @@ pub struct SensedWorld {
 #[derive(Clone, Copy, Debug, Default)]
 struct Cells {
     min: Vec3,
+    /// The least coordinates of all, cells or not: what is below the cells is in the first ones.
+    least: Vec3,
     /// Cells a metre.
     density: f32,
     counts: [usize; 3],
@@ -57,7 +59,7 @@ struct Cells {
 
 impl Cells {
     /// For so many points in that box: fewer than four cells a point, whether they fill it, lie in a plane or in a line.
-    fn of(min: DVec3, max: DVec3, count: usize) -> Self {
+    fn of([min, max]: [DVec3; 2], least: DVec3, count: usize) -> Self {
         let (extent, each) = (max - min, 2.0 / count.max(1) as f64);
         let [x, y, z] = extent.to_array();
         let edge = libm::cbrt(x * y * z * each)
@@ -65,7 +67,8 @@ impl Cells {
             .max(extent.max_element() * each);
         let density = if edge > 0.0 { (1.0 / edge) as f32 } else { 0.0 };
         let density = if density.is_finite() { density } else { 0.0 };
-        let mut cells = Self { min: min.as_vec3(), density, counts: [1; 3] };
+        let (min, least) = (min.as_vec3(), least.as_vec3());
+        let mut cells = Self { min, least, density, counts: [1; 3] };
         let counts = (0..3).map(|axis| cells.place(axis, max.as_vec3()[axis], usize::MAX) + 1);
         let counts: Vec<usize> = counts.collect();
         // What the rounding of far points spreads out is one cell.
@@ -232,10 +235,9 @@ impl SensedWorld {
         let count = self.points.len();
         let is_some = count > 0;
         let (min, max) = if is_some { (min, max) } else { (DVec3::ZERO, DVec3::ZERO) };
-        self.cells = Cells::of(min, max, count);
+        self.cells = Cells::of(usual_extent(&self.points, [min, max]), min, count);
         self.largest = largest;
-        self.size =
-            min.abs().max(max.abs()).max_element() + largest + self.half_extents.element_sum();
+        let box_size = self.half_extents.element_sum();
         let cells = self.cells;
         self.starts.clear();
         self.starts.resize(cells.all() + 1, 0);
@@ -260,7 +262,9 @@ impl SensedWorld {
             let at = *next as usize;
             *next += 1;
             let [x, y, z] = point.centre.as_vec3().to_array();
-            for (row, number) in self.rows.iter_mut().zip([x, y, z, point.radius as f32]) {
+            let size = point.centre.abs().max_element() + point.radius + box_size;
+            let numbers = [x, y, z, point.radius as f32, size as f32];
+            for (row, number) in self.rows.iter_mut().zip(numbers) {
                 row[at] = number;
             }
             self.indices[at] = index;
@@ -269,9 +273,9 @@ impl SensedWorld {
         self.starts[0] = 0;
     }
 
-    /// How large everything is together, and how far a point's radius and box reach, metres.
-    pub(crate) fn reaches(&self) -> [f64; 2] {
-        [self.size, self.largest + self.half_extents.max_element()]
+    /// How far any point's radius and box reach, metres.
+    pub(crate) fn largest_reach(&self) -> f64 {
+        self.largest + self.half_extents.max_element()
     }
 
     /// The index of what is at a place in the order of the cells.
@@ -279,8 +283,9 @@ impl SensedWorld {
         self.indices[place]
     }
 
-    /// The rows of x, y, z and radius in the order of the cells; sixteen more are there than points.
-    pub(crate) fn rows(&self) -> [&[f32]; 4] {
+    /// The rows of x, y, z, radius and size (the largest coordinate, radius and box together) in the order of the
+    /// cells; sixteen more are there than points.
+    pub(crate) fn rows(&self) -> [&[f32]; 5] {
         self.rows.each_ref().map(Vec::as_slice)
     }
 
@@ -296,7 +301,7 @@ impl SensedWorld {
             let place = |x: f32| cells.place(axis, x, cells.counts[axis]);
             place(min[axis])..place(max[axis]) + 1
         };
-        let is_outside = (0..3).any(|axis| max[axis] < cells.min[axis]);
+        let is_outside = (0..3).any(|axis| max[axis] < cells.least[axis]);
         let [x, y, z] = [span(0), span(1), span(2)];
         let z = if is_outside { 0..0 } else { z };
         let rows = z.flat_map(move |z| y.clone().map(move |y| z * cells.counts[1] + y));
@@ -306,6 +311,31 @@ impl SensedWorld {
             (!range.is_empty()).then_some(range)
         })
     }
+}
+
+/// Where most points are: a few far away, which all else would share a cell for, are left out of it. It depends on a
+/// sample of the points; answers do not depend on it.
+fn usual_extent(points: &[SensedPoint], [min, max]: [DVec3; 2]) -> [DVec3; 2] {
+    /// How many points are looked at.
+    const SAMPLE: usize = 256;
+    /// One in so many of them may be beyond on each side.
+    const BEYOND: usize = 64;
+    let every = points.len().div_ceil(SAMPLE).max(1);
+    let (mut low, mut high) = (min, max);
+    for axis in 0..3 {
+        let sample = points.iter().step_by(every).map(|point| point.centre[axis]);
+        let mut sample: Vec<f64> = sample.collect();
+        sample.sort_unstable_by(f64::total_cmp);
+        let cut = sample.len().div_ceil(BEYOND);
+        let Some(kept) = sample.get(cut..sample.len().saturating_sub(cut)) else { continue };
+        if let (Some(first), Some(last)) = (kept.first(), kept.last()) {
+            // Where points are spread evenly, all of them are in it.
+            let about = 0.125 * (last - first);
+            low[axis] = min[axis].max(first - about);
+            high[axis] = max[axis].min(last + about);
+        }
+    }
+    [low, high]
 }
 
 /// What is never met: all was refused before.
@@ -324,5 +354,46 @@ impl From<ShapeError> for SensedError {
 impl From<PoseError> for SensedError {
     fn from(error: PoseError) -> Self {
         Self::Pose(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of a lattice of edge 1 round the origin.
+    fn lattice() -> Vec<SensedPoint> {
+        let at = |k: usize| (k % 12) as f64 / 11.0 - 0.5;
+        let centres = (0..1728).map(|k| DVec3::new(at(k), at(k / 12), at(k / 144)));
+        centres.map(|centre| SensedPoint { centre, radius: 0.0 }).collect()
+    }
+
+    /// How many points are looked at for what is within a tenth of a metre of the middle.
+    fn looked_at(points: &[SensedPoint]) -> usize {
+        let world = SensedWorld::of_points(points).unwrap();
+        world.around(Vec3::ZERO, 0.1).map(|range| range.len()).sum()
+    }
+
+    #[test]
+    fn points_far_away_do_not_widen_the_cells_of_the_others() {
+        let mut points = lattice();
+        let usual = looked_at(&points);
+        assert!(usual < 200, "{usual}");
+        for far in [DVec3::X * 1e6, DVec3::new(-1e5, 1e30, 3e4), DVec3::splat(-1e3)] {
+            points.push(SensedPoint { centre: far, radius: 0.0 });
+            assert!(looked_at(&points) <= 4 * usual, "{far}");
+        }
+    }
+
+    #[test]
+    fn a_point_far_away_is_found_where_it_is() {
+        let mut points = lattice();
+        for far in [DVec3::X * 1e6, DVec3::splat(-1e3), DVec3::Y * -7.0] {
+            points.push(SensedPoint { centre: far, radius: 0.0 });
+            let world = SensedWorld::of_points(&points).unwrap();
+            let found = world.around(far.as_vec3(), 0.1).flatten();
+            let mut found = found.map(|place| world.index(place) as usize);
+            assert!(found.any(|index| index == points.len() - 1), "{far}");
+        }
     }
 }

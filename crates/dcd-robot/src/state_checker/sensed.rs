@@ -9,7 +9,7 @@ use super::separate::{PlacedHull, Support, across_gap, unit};
 use super::sift::is_alone;
 use super::solids::{inside, margin_of, within};
 use super::worker::{CHUNK, Refused, RefusedState, Worker, at, with_chunk};
-use super::{FAR, Goal, StateChecker};
+use super::{FAR, Goal, MARGIN, StateChecker};
 use crate::sensed::SensedError;
 use crate::{RobotError, SensedWorld};
 use dcd_exec::{Exec, Segments};
@@ -240,10 +240,9 @@ impl Kernel for Sift<'_> {
         if sensed.is_empty() {
             return found;
         }
-        let [size, largest] = sensed.reaches();
-        let margin = margin_of(size + grown);
+        let margin = margin_of(grown);
         // Within the margin of a radius, as all that is rounded here.
-        let (largest, grown) = ((largest + grown) as f32, grown as f32);
+        let (largest, grown) = ((sensed.largest_reach() + grown) as f32, grown as f32);
         let seen = Seen { sensed, half: sensed.half_extents().as_vec3(), largest, margin, grown };
         let links = &*prepared.world_links;
         if is_alone(open) {
@@ -274,12 +273,23 @@ struct Seen<'a> {
     half: Vec3,
     /// How far any point's radius and box reach, metres.
     largest: f32,
-    /// By how much a comparison with it may be off, metres.
+    /// By how much a comparison with a point may be off, beside [`MARGIN`] times that point's size, metres.
     margin: f32,
     grown: f32,
 }
 
+/// [`MARGIN`] for what is compared.
+const OF_SIZE: f32 = MARGIN as f32;
+
 impl Seen<'_> {
+    /// How far from a centre points are that may be within so much of it, their radii, boxes and margins, metres
+    /// (docs/numerics/proofs.md, "Sensed points").
+    #[inline(always)]
+    fn search(&self, centre: Vec3, reach: f32) -> f32 {
+        let size = centre.abs().max_element() + reach + 4.0 * self.largest;
+        reach + self.largest + self.margin + 4.0 * OF_SIZE * size
+    }
+
     /// Lists what spheres and planes leave of a state, by bodies and places.
     #[inline(always)]
     fn of_state<L: Lanes, P: LinkPlaces>(
@@ -292,7 +302,7 @@ impl Seen<'_> {
         let first = found.len();
         for (slot, link) in prepared.world_links.iter().enumerate() {
             let placed = placed.at(slot);
-            let reach = link.radius + placed.margin() + self.margin + self.largest;
+            let reach = self.search(placed.centre(), link.radius + placed.margin());
             if self.sensed.around(placed.centre(), reach).next().is_none() {
                 continue;
             }
@@ -347,12 +357,13 @@ impl Seen<'_> {
         // squares overflow.
         let is_known = sphere.centre.is_finite() && self.largest <= FAR;
         let inner = if is_known { sphere.inner } else { f32::NEG_INFINITY };
-        let [xs, ys, zs, radii] = self.sensed.rows();
-        for range in self.sensed.around(sphere.centre, sphere.outer + margin + self.largest) {
+        let [xs, ys, zs, radii, sizes] = self.sensed.rows();
+        let reach = self.search(sphere.centre, sphere.outer + sphere.margin);
+        for range in self.sensed.around(sphere.centre, reach) {
             for begin in range.clone().step_by(WIDTH) {
                 let row = |numbers: &[f32]| numbers[begin..].first_chunk::<WIDTH>().copied();
-                let (Some(x), Some(y), Some(z), Some(radius)) =
-                    (row(xs), row(ys), row(zs), row(radii))
+                let (Some(x), Some(y), Some(z), Some(radius), Some(size)) =
+                    (row(xs), row(ys), row(zs), row(radii), row(sizes))
                 else {
                     continue;
                 };
@@ -361,8 +372,10 @@ impl Seen<'_> {
                 let z = beyond(l, l.load_from(&z), sphere.centre.z, self.half.z);
                 let radius = l.add(l.load_from(&radius), l.splat(self.grown));
                 let square = l.mul_add(x, x, l.mul_add(y, y, l.mul(z, z)));
-                let near = within(l, square, l.add(radius, l.splat(sphere.outer + margin)));
-                let touched = inside(l, square, l.add(radius, l.splat(inner - margin)));
+                let margin = l.mul_add(l.load_from(&size), l.splat(OF_SIZE), l.splat(margin));
+                let outer = l.add(l.splat(sphere.outer), margin);
+                let near = within(l, square, l.add(radius, outer));
+                let touched = inside(l, square, l.add(radius, l.sub(l.splat(inner), margin)));
                 let there = (1u32 << (range.end - begin).min(WIDTH)) - 1;
                 for k in bits((near | touched) & there) {
                     let place = (begin + k) as u32;
@@ -383,7 +396,7 @@ impl Seen<'_> {
         (prepared, placed): (&Prepared, P),
         (first, found): (usize, &mut Vec<Near>),
     ) {
-        let [xs, ys, zs, radii] = self.sensed.rows();
+        let [xs, ys, zs, radii, sizes] = self.sensed.rows();
         let mut kept = first;
         for k in first..found.len() {
             let near = found[k];
@@ -395,7 +408,7 @@ impl Seen<'_> {
                     let still = SeenBox {
                         half: self.half,
                         centre: Vec3::new(xs[place], ys[place], zs[place]),
-                        margin: radii[place] + self.grown + self.margin,
+                        margin: radii[place] + self.grown + (OF_SIZE * sizes[place] + self.margin),
                     };
                     let hull = PlacedHull::on(hull, placed.at(slot));
                     let towards = unit(near.towards).unwrap_or(Vec3::X);
