@@ -15,7 +15,7 @@ use std::ffi::OsString;
 use std::fs::{File, OpenOptions, Permissions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
+use tempfile::TempPath;
 
 /// A file that is being written.
 #[derive(Debug)]
@@ -27,7 +27,7 @@ pub(crate) struct Output {
 #[derive(Debug)]
 enum To {
     /// A file beside `target`, which takes its place.
-    Beside { file: BufWriter<NamedTempFile>, target: PathBuf },
+    Beside { file: BufWriter<File>, name: TempPath, target: PathBuf },
     /// Neither a file nor a folder: a pipe, a device.
     Device(BufWriter<File>),
 }
@@ -60,12 +60,12 @@ impl Output {
     /// Gives it its name: from now on it is there.
     pub(crate) fn commit(self) -> Result<(), Failure> {
         let Self { path, to } = self;
-        let To::Beside { file, target } = to else { return Ok(()) };
+        let To::Beside { file, name, target } = to else { return Ok(()) };
         let done = file.into_inner().map_err(io::IntoInnerError::into_error).and_then(|file| {
             // A name that outlives a loss of power must not stand for what does not.
-            file.as_file().sync_all()?;
-            let name = file.path().to_path_buf();
-            signals::renamed(&name, || file.persist(&target).map_err(|refused| refused.error))
+            file.sync_all()?;
+            let made = name.to_path_buf();
+            signals::renamed(&made, || name.persist(&target).map_err(|refused| refused.error))
         });
         done.map(drop).map_err(|error| named(&path, error))
     }
@@ -103,11 +103,13 @@ fn open(path: &Path) -> io::Result<To> {
     if let Some(all) = everyone() {
         builder.permissions(all);
     }
-    let file = signals::made(|| builder.tempfile_in(folder))?;
+    // What could not be made is the output to its user: the temporary name in the message says nothing.
+    let file = signals::made(|| builder.tempfile_in(folder)).map_err(|error| error.kind())?;
+    let (file, name) = file.into_parts();
     if let Some(permissions) = permissions {
-        file.as_file().set_permissions(permissions)?;
+        file.set_permissions(permissions)?;
     }
-    Ok(To::Beside { file: BufWriter::new(file), target })
+    Ok(To::Beside { file: BufWriter::new(file), name, target })
 }
 
 /// What a new file may be, less what the user's mask takes away.

@@ -143,6 +143,15 @@ fn a_run_that_is_refused_leaves_the_old_output() {
 }
 
 #[test]
+fn an_output_that_cannot_be_made_is_named_and_not_its_temporary_file() {
+    let folder = Folder::new();
+    let out = folder.at("no/out");
+    let ran = dcd(&["detect", text(&folder.at("scene")), "--out", text(&out)]);
+    ran.assert_refused(&[text(&out)]);
+    assert!(!ran.stderr.contains(".part"), "{ran:?}");
+}
+
+#[test]
 fn states_that_are_all_refused_leave_the_old_picture() {
     let folder = Folder::new();
     let urdf = "<robot name=\"arm\"><link name=\"body\"><collision><geometry><sphere radius=\"1\"/></geometry>\

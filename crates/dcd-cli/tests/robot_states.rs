@@ -69,6 +69,18 @@ fn the_names_of_a_pair_are_sorted_and_so_are_the_pairs_of_states_and_edges() {
 }
 
 #[test]
+fn an_empty_line_is_refused_as_the_line_that_it_is() {
+    let folder = Folder::new("empty");
+    let urdf = folder.file("arm.urdf", ARM);
+    let states = folder.file("states.jsonl", "\n{\"q\": [0, 1]\n");
+    let ran = dcd(&["robot", &urdf, "--links", "meshes", "--states", &states]);
+    let errors: Vec<Value> = lines(&ran.stdout).iter().map(|line| line["error"].clone()).collect();
+    assert_eq!(errors[0], "line 1: no state: EOF while parsing a value");
+    assert_eq!(errors[1], "line 2: no state: EOF while parsing an object");
+    assert!(ran.stderr.contains("meshes are taken as their triangles"), "{ran:?}");
+}
+
+#[test]
 fn a_clearance_is_reported_with_its_pair_and_its_derivatives() {
     let folder = Folder::new("clearance");
     let (urdf, wall) = (folder.file("arm.urdf", ARM), folder.file("wall.yaml", WALL));

@@ -9,6 +9,7 @@
 
 mod request;
 mod scene;
+mod words;
 mod yaml;
 
 pub use request::{Constraints, JointConstraint, MotionPlanRequest};

@@ -1,6 +1,7 @@
 //! YAML files: read within bounds, and the values that MoveIt's tools write in more than one way.
 
 use crate::Limits;
+use crate::words::Words;
 use serde::de::{DeserializeOwned, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::fmt;
@@ -22,7 +23,8 @@ pub(super) fn parse<T: DeserializeOwned>(yaml: &str, limits: Limits) -> Result<T
         },
         with_snippet: false,
     };
-    serde_saphyr::from_str_with_options(yaml, options).map_err(|error| error.to_string())
+    serde_saphyr::from_str_with_options(yaml, options)
+        .map_err(|error| error.render_with_formatter(&Words))
 }
 
 /// A value and the line on which it begins, from 1.

@@ -79,9 +79,13 @@ impl<'de> Visitor<'de> for TreeVisitor {
 /// The value of a line of JSON that is a `what`.
 pub(super) fn parse(what: &'static str, line: &[u8]) -> Result<Json, RobotError> {
     serde_json::from_slice(line).map_err(|error| {
-        // The reader sees one line at a time: the column alone is useful.
-        let error = error.to_string().replace(" at line 1 column", " at column");
-        RobotError::NotOfKind { what, error }
+        // The reader sees one line at a time: the column alone is useful, and none behind the line's end.
+        let place = format!(" at line {} column {}", error.line(), error.column());
+        let column = match error.line() {
+            1 => format!(" at column {}", error.column()),
+            _ => String::new(),
+        };
+        RobotError::NotOfKind { what, error: error.to_string().replace(&place, &column) }
     })
 }
 

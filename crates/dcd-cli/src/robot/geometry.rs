@@ -83,8 +83,14 @@ impl Geometry {
 
 impl fmt::Display for Geometry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "meshes are taken as {}", self.geometry)?;
-        self.geometry_of.iter().try_for_each(|(link, links)| write!(f, ", of {link:?} as {links}"))
+        // That meshes are taken as meshes says nothing.
+        let taken = |links: &Links| match links.0 {
+            LinkShapes::Meshes => "their triangles".to_owned(),
+            _ => links.to_string(),
+        };
+        write!(f, "meshes are taken as {}", taken(&self.geometry))?;
+        let mut of = self.geometry_of.iter();
+        of.try_for_each(|(link, links)| write!(f, ", of {link:?} as {}", taken(links)))
     }
 }
 
