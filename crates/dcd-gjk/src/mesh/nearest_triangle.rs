@@ -151,9 +151,10 @@ impl Nearest {
         self.best.map_or(f64::MAX, limit).min(self.far)
     }
 
-    /// How much nearer than that what is passed by may be, relative to the pair's size.
+    /// How much nearer than that what is passed by may be, relative to the pair's size. Where nothing is measured yet no bound counts
+    /// what is passed by.
     pub(super) fn close(&self) -> f64 {
-        if self.measured.is_some() { 0.0 } else { CLOSE }
+        if self.measured.is_some() || self.best.is_none() { 0.0 } else { CLOSE }
     }
 
     /// Takes in that a pair of parts is at least so far apart and not measured.

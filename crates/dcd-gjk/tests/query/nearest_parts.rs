@@ -304,3 +304,30 @@ fn compounds_are_as_deep_as_their_deepest_parts() {
     }
     assert!(measured > 300, "{measured}");
 }
+
+#[test]
+fn a_triangle_at_the_margin_is_within_it_also_behind_one_that_is_farther() {
+    let corners = |low: f64, x: f64| [[x, x, low], [x + 0.5, x, low], [x, x + 0.5, low]];
+    let vertices = [corners(0.76, -0.2), corners(0.75, 1.0)].concat();
+    let vertices: Vec<DVec3> = vertices.into_iter().map(DVec3::from).collect();
+    let mesh = Shape::mesh(vertices, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
+    let half = DVec3::new(2.0, 2.0, 0.5);
+    let cuboid = Shape::cuboid(half).unwrap();
+    let compound = Shape::compound(vec![(cuboid.clone(), Pose::IDENTITY)]).unwrap();
+    let top = [-half.x, half.x].map(|x| [-half.y, half.y].map(|y| DVec3::new(x, y, half.z)));
+    let other = Shape::mesh(top.concat(), vec![[0, 1, 2], [1, 3, 2]]).unwrap();
+    for (what, beside) in [("cuboid", cuboid), ("compound", compound), ("mesh", other)] {
+        let scene = Scene::one_each(vec![beside, mesh.clone()], vec![Pose::IDENTITY; 2]).unwrap();
+        for accuracy in ACCURACIES {
+            for more in [0.0, 1e-12, 1e-10, 1e-9, 1e-8] {
+                let narrow = SimdDistances::within(0.25 * (1.0 + more), accuracy).unwrap();
+                let (within, report) = found(&narrow, &scene, &all_pairs(2));
+                assert!(report.undecided().is_empty(), "{what} {accuracy:?} {more}");
+                assert_eq!(within.len(), 1, "{what} {accuracy:?} {more}");
+            }
+            let narrow = SimdDistances::within(0.25 * (1.0 - 1e-12), accuracy).unwrap();
+            let (within, _) = found(&narrow, &scene, &all_pairs(2));
+            assert_eq!(within.len(), 0, "{what} {accuracy:?}");
+        }
+    }
+}
