@@ -20,6 +20,7 @@ use crate::simd::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::{Aabb16, Mesh};
 use dcd_simd::{Block, Kernel, Lanes, Row, Unfused, WIDTH, dispatch};
+use std::collections::VecDeque;
 
 /// How near the bounds of a distance have to come, relative to the smaller mesh. Larger: the bound is above what the accuracy of
 /// f32 promises. Smaller: more supports.
@@ -28,6 +29,10 @@ const GAP: f64 = 1e-6;
 /// What a gap along a direction of unit length loses. Unit: u of the pair's size. Two turned directions 8, six products 8, their
 /// sums 4; and a margin.
 const ALONG: f64 = 64.0;
+
+/// How many directions are kept; the oldest goes first. No unit. Smaller: triangles measured for nothing. Larger: more
+/// directions to try each pair along. Never an answer.
+const MOST: usize = 8;
 
 /// Meets the triangles of two meshes of which one pair is the nearest. `None` of other shapes, where it is open whether they
 /// touch, and where two triangles could not be measured.
@@ -46,7 +51,7 @@ pub(super) fn meet(
     }
     let lost = ALONG * U64 * relative.size() + (a.radius() + b.radius()) * (1.0 + 8.0 * U64);
     let gap = 2.0 * GAP * a.reach.min(b.reach);
-    let mut directions: Vec<Direction> = Vec::new();
+    let mut directions = VecDeque::with_capacity(MOST);
     for parts in nearest_triangles((sides, meshes), relative, scratch, nearest.limit()) {
         let [of_a, of_b] = [a.part(parts[0]), b.part(parts[1])];
         let (Part::Triangle { corners: in_a, .. }, Part::Triangle { corners: in_b, .. }) =
@@ -54,7 +59,7 @@ pub(super) fn meet(
         else {
             return None;
         };
-        let gaps = directions.iter().map(|direction| direction.gap(in_a, in_b));
+        let gaps = directions.iter().map(|direction: &Direction| direction.gap(in_a, in_b));
         let lower = gaps.fold(f64::NEG_INFINITY, f64::max) - lost;
         let limit = nearest.limit();
         if lower >= limit - nearest.close() * relative.size() {
@@ -62,15 +67,17 @@ pub(super) fn meet(
             continue;
         }
         let (core_a, core_b) = (Core::of(&of_a)?, Core::of(&of_b)?);
-        match nearer(core_a.body(a.pose), core_b.body(b.pose), [gap, limit]) {
+        let along = match nearer(core_a.body(a.pose), core_b.body(b.pose), [gap, limit]) {
             Nearer::Apart(found) => {
-                directions.push(Direction::of(sides, found.normal));
                 nearest.add(parts, found);
+                found.normal
             }
-            Nearer::Beyond(direction) => directions.push(Direction::of(sides, direction)),
+            Nearer::Beyond(direction) => direction,
             Nearer::Touching => return Some(Found::Touching),
             Nearer::Unknown => return None,
-        }
+        };
+        directions.truncate(MOST - 1);
+        directions.push_front(Direction::of(sides, along));
     }
     Some(Found::Apart)
 }
