@@ -75,9 +75,15 @@ enum Frame {
     Other,
 }
 
+/// How many parts of a shape are kept in place: to clear a place for each that there may be took a tenth of a sphere's distance.
+const IN_PLACE: usize = 8;
+
 /// Those of one shape.
 #[derive(Default)]
-struct Parts<'a>([Option<Placed<'a>>; MOST]);
+struct Parts<'a> {
+    first: [Option<Placed<'a>>; IN_PLACE],
+    others: Vec<Placed<'a>>,
+}
 
 /// Two shapes that are made of few parts, or one of them and a convex one; in the order that is one for (a, b) and (b, a).
 #[derive(Default)]
@@ -180,17 +186,20 @@ pub(super) fn moved_in_frame(part: &Part) -> Option<f64> {
 impl<'a> Parts<'a> {
     /// `None` of shapes that are neither convex nor compounds, and of too many.
     fn fill(&mut self, side: PosedShape<'a>, frame: Frame) -> Option<()> {
-        let Self(slots) = self;
+        let Self { first, others } = self;
         let Shape::Compound(compound) = side.shape else {
-            slots[0] = Some(Placed::of(side, None, frame).filter(|_| side.shape.is_convex())?);
+            first[0] = Some(Placed::of(side, None, frame).filter(|_| side.shape.is_convex())?);
             return Some(());
         };
         let parts = compound.parts();
         if parts.len() > MOST {
             return None;
         }
-        for (slot, part) in slots.iter_mut().zip(parts) {
+        for (slot, part) in first.iter_mut().zip(parts) {
             *slot = Some(Placed::of(side, Some(part), frame)?);
+        }
+        for part in parts.iter().skip(IN_PLACE) {
+            others.push(Placed::of(side, Some(part), frame)?);
         }
         Some(())
     }
@@ -207,7 +216,15 @@ impl<'a> Parts<'a> {
 
     /// With their numbers.
     fn all(&self) -> impl Iterator<Item = (u32, &Placed<'a>)> {
-        (0..).zip(self.0.iter().map_while(Option::as_ref))
+        (0..).zip(self.first.iter().map_while(Option::as_ref).chain(&self.others))
+    }
+
+    fn get(&self, number: u32) -> Option<&Placed<'a>> {
+        let number = number as usize;
+        match self.first.get(number) {
+            Some(slot) => slot.as_ref(),
+            None => self.others.get(number - IN_PLACE),
+        }
     }
 }
 
@@ -349,8 +366,7 @@ impl<'a> Couple<'a> {
 
     /// Two parts by index, where they are and as they were given; and by how much they are moved.
     pub(super) fn posed(&self, [j, k]: [u32; 2]) -> Option<([PosedShape<'_>; 2], f64)> {
-        let (part_a, part_b) =
-            (self.a.0.get(j as usize)?.as_ref()?, self.b.0.get(k as usize)?.as_ref()?);
+        let (part_a, part_b) = (self.a.get(j)?, self.b.get(k)?);
         let ((in_a, moved_a), (in_b, moved_b)) = (part_a.posed()?, part_b.posed()?);
         Some(([in_a, in_b], moved_a + moved_b + self.lost))
     }
