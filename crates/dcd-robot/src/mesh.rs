@@ -44,7 +44,7 @@ impl MeshSource {
         scale: DVec3,
         user: &str,
     ) -> Result<TriangleMesh, RobotError> {
-        let mesh = TriangleMesh::load_noting(path, self.up_axis, self.paths.opened());
+        let mesh = TriangleMesh::load_with(path, self.up_axis, self.paths.opened());
         let mesh = mesh.map_err(|error| RobotError::Mesh { user: user.to_owned(), error })?;
         Ok(mesh.scaled(scale))
     }

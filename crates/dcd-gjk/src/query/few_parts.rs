@@ -75,7 +75,8 @@ enum Frame {
     Other,
 }
 
-/// How many parts of a shape are kept in place: to clear a place for each that there may be took a tenth of a sphere's distance.
+/// How many parts of a shape are kept in place. Larger: kilobytes in which every pair marks all places as empty. Smaller: memory
+/// that is asked for.
 const IN_PLACE: usize = 8;
 
 /// Those of one shape.

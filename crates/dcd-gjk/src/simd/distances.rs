@@ -223,16 +223,18 @@ impl SimdDistances {
     /// Two that are apart, one of them a compound, by what the lanes found of their parts.
     fn by_parts(
         &self,
-        found: by_parts::Found,
+        found: &by_parts::Found,
         candidates: &[[u32; 2]],
         [a, b]: [PosedShape<'_>; 2],
     ) -> Verdict<Option<Distance>> {
         let found = match found {
             by_parts::Found::Beyond => return Verdict::Apart,
-            by_parts::Found::Near(found) => DistanceResult::Apart(found),
-            by_parts::Found::Among(range) => {
-                mesh::distance_of_nearest(self.accuracy, [a, b], &mut candidates[range].to_vec())
-            }
+            by_parts::Found::Near(found) => DistanceResult::Apart(*found),
+            by_parts::Found::Among(range) => mesh::distance_of_nearest(
+                self.accuracy,
+                [a, b],
+                &mut candidates[range.clone()].to_vec(),
+            ),
         };
         within_margin(found, self.margin, a, b)
     }
@@ -403,12 +405,12 @@ impl NarrowPhase for SimdDistances {
 }
 
 /// What the lanes found of a pair, or how it is measured.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 enum Measured<'a> {
     Searched(Found),
     Cuboids(of_cuboids::Found),
     /// And the pairs of parts that may be the nearest.
-    Parts(by_parts::Found, &'a [[u32; 2]]),
+    Parts(&'a by_parts::Found, &'a [[u32; 2]]),
     Formula,
     Centres,
 }
@@ -457,7 +459,8 @@ impl<'a> InOrder<'a> {
                 Measured::Formula
             }
             Kind::Parts => {
-                Measured::Parts(self.by_parts.next().cloned().unwrap_or_default(), self.candidates)
+                let found = self.by_parts.next().unwrap_or(&by_parts::Found::Beyond);
+                Measured::Parts(found, self.candidates)
             }
             Kind::Touching | Kind::Spheres | Kind::Beyond => Measured::Centres,
         }

@@ -168,14 +168,14 @@ impl TriangleMesh {
     /// Those of [`Self::read`] and [`MeshFormat::of`], and those of reading the file, which has at
     /// most 2 GiB, all with its path.
     pub fn load(path: &Path, up_axis: UpAxis) -> Result<Self, MeshError> {
-        Self::load_noting(path, up_axis, &OpenedFiles::default())
+        Self::load_with(path, up_axis, &OpenedFiles::default())
     }
 
     /// [`Self::load`], which adds the file and those that it names to a list.
     ///
     /// # Errors
     /// Those of [`Self::load`].
-    pub fn load_noting(
+    pub fn load_with(
         path: &Path,
         up_axis: UpAxis,
         opened: &OpenedFiles,
