@@ -1,6 +1,7 @@
 //! How good a bound has to be: speed for accuracy.
 
 use super::distances::are_within;
+use super::few_parts::PartContact;
 use crate::epa::Depth;
 use crate::mesh::KnownParts;
 use crate::simd::CuboidPatch;
@@ -109,6 +110,19 @@ pub trait MeasureDepth: MeasureAt {
         &self,
         accuracy: Accuracy,
         _known: KnownParts<'_>,
+        [a, b]: [PosedShape<'_>; 2],
+        scratch: &mut Self::Scratch,
+        answer: &mut Self::Answer,
+    ) -> Verdict<()> {
+        self.measure_at(accuracy, a, b, scratch).map(|found| *answer = found)
+    }
+
+    /// The same for two shapes of which one is a compound, and it is known which parts touch: all of them, in any order, in which
+    /// the solver may leave them. By default by [`MeasureAt::measure_at`], which finds them again.
+    fn measure_compounds(
+        &self,
+        accuracy: Accuracy,
+        _known: &mut [PartContact<'_>],
         [a, b]: [PosedShape<'_>; 2],
         scratch: &mut Self::Scratch,
         answer: &mut Self::Answer,

@@ -1,6 +1,6 @@
 //! How deep touching pairs overlap.
 
-use super::few_parts::{self, Wanted};
+use super::few_parts::{self, PartContact, Wanted};
 use super::{Accuracy, FoundPair, MeasureAt, MeasureDepth, open_triangles, sampled};
 use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
@@ -164,6 +164,22 @@ impl MeasureDepth for Depths {
         }
         let pairs = mesh::pairs_of([a, b], known.parts);
         of_deepest(accuracy, &pairs, [a, b], scratch).map(|found| *answer = found)
+    }
+
+    fn measure_compounds(
+        &self,
+        accuracy: Accuracy,
+        known: &mut [PartContact<'_>],
+        sides: [PosedShape<'_>; 2],
+        scratch: &mut epa::Scratch,
+        answer: &mut Depth,
+    ) -> Verdict<()> {
+        if let Some(found) = few_parts::depth_of_known(accuracy, known, sides, scratch) {
+            *answer = found;
+            return Verdict::Touching(());
+        }
+        let [a, b] = sides;
+        self.measure_at(accuracy, a, b, scratch).map(|found| *answer = found)
     }
 
     const READS_BOUNDS: bool = true;

@@ -8,8 +8,9 @@
 mod candidates;
 mod framed;
 mod slab;
+mod touching;
 
-use super::{Accuracy, Feature, depths};
+use super::{Accuracy, CERTIFIED, Feature, depths};
 use crate::distance::{Distance, DistanceResult, distance_at, gap_along};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, OfTriangle};
@@ -21,6 +22,9 @@ use dcd_geom::{Kind, Part, Polytope, Pose, Shape, SupportMap};
 pub(super) use framed::Framed;
 use slab::Slab;
 use std::cell::OnceCell;
+pub(crate) use touching::FoundParts;
+pub use touching::PartContact;
+pub(super) use touching::{TouchingParts, depth_of_known, wholes_in_order};
 
 /// The most parts of one shape, those of two make 1,024 pairs, each of which takes a comparison of spheres. More: the tree over them
 /// is quicker.
@@ -252,8 +256,10 @@ fn is_good(
     sides: [PosedShape<'_>; 2],
     of_size: f64,
 ) -> bool {
-    if at == Accuracy::F32 {
-        return true;
+    match at {
+        Accuracy::F32 => return true,
+        Accuracy::F64 => {}
+        Accuracy::Certified => return error <= CERTIFIED * length,
     }
     let reach = |side: PosedShape<'_>| Some(side.shape.reach()).filter(|reach| reach.is_finite());
     let size = sides.into_iter().filter_map(reach).sum::<f64>() + length;
@@ -263,12 +269,10 @@ fn is_good(
 /// Whether two parts touch, and how deep; `None` where what they are moved by leaves it open.
 fn touch(
     at: Accuracy,
-    (a, b): (&Placed<'_>, &Placed<'_>),
-    lost: f64,
+    [in_a, in_b]: [PosedShape<'_>; 2],
+    moved: f64,
     scratch: &mut epa::Scratch,
 ) -> Option<Known> {
-    let ((in_a, moved_a), (in_b, moved_b)) = (a.posed()?, b.posed()?);
-    let moved = moved_a + moved_b + lost;
     let deep = |found: Depth| {
         let error_bound = (found.error_bound + moved).next_up();
         let is_known = found.depth > error_bound
@@ -356,7 +360,9 @@ impl<'a> Couple<'a> {
                 if gap > 0.0 || wanted == Wanted::Deepest && -gap < deepest {
                     continue;
                 }
-                if let Known::Deep(depth) = touch(at, (part_a, part_b), self.lost, scratch)? {
+                let ((in_a, moved_a), (in_b, moved_b)) = (part_a.posed()?, part_b.posed()?);
+                let moved = moved_a + moved_b + self.lost;
+                if let Known::Deep(depth) = touch(at, [in_a, in_b], moved, scratch)? {
                     deepest = (depth.depth - depth.error_bound).max(deepest);
                     found([j, k], depth);
                 }

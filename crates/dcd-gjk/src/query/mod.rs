@@ -60,7 +60,8 @@ pub(crate) use depths::{CERTIFIED, tolerance};
 pub(crate) use distances::{
     distance_at_once, distance_of_mesh_within, spheres_are_apart, within_margin,
 };
-pub(crate) use few_parts::may_be_nearest;
+pub use few_parts::PartContact;
+pub(crate) use few_parts::{FoundParts, may_be_nearest};
 pub(crate) use manifold::{FACING, LEVEL, case_of};
 pub(crate) use within::grown;
 

@@ -1,13 +1,15 @@
 //! Pairs of compounds resolved by their parts: first the likeliest pair of parts of each pair, then all pairs
-//! of parts where that proved nothing, then in f64 what the lanes leave open.
+//! of parts where that proved nothing, then in f64 what the lanes leave open. Where a measure follows, all pairs of parts at once:
+//! it wants all that touch.
 
 use super::certificate::CertifiedBounds;
 use super::decide::{self, Decide, Left, Slice};
 use super::expand::{Expand, Queue};
-use super::frame::SimdFrame;
-use crate::{Method, PosedShape, Prepared, Reason, Report, Verdict, certified};
+use super::scene_pairs::ScenePairs;
+use super::touching_parts::TouchingParts;
+use crate::{Method, Reason, Report, Verdict, certified};
+use dcd_geom::Pair;
 use dcd_geom::glam::Vec3;
-use dcd_geom::{Pair, Shape};
 use dcd_simd::dispatch_on;
 use std::marker::PhantomData;
 
@@ -41,6 +43,8 @@ struct Known {
 #[derive(Clone, Copy, Debug)]
 struct Doubt {
     question: u32,
+    /// Their place among the pairs of parts that were decided last.
+    place: u32,
     parts: Pair,
     /// See [`Left`].
     axes: [Vec3; 2],
@@ -61,6 +65,7 @@ pub(super) fn judge(
         let taken = dispatch_on(slice.path, expand);
         numbers = &numbers[taken..];
         slice.answer(&mut scratch, lanes);
+        scratch.keep_touching(&mut lanes.touching_parts);
         report.count(Method::Portal, scratch.queue.apart);
         for (question, known) in scratch.queue.questions.iter().zip(&scratch.known) {
             touching[question.number as usize] = known.touching;
@@ -78,25 +83,37 @@ pub(super) fn judge(
 impl Slice<'_> {
     /// Resolves every question in the queue.
     fn answer(&self, scratch: &mut Scratch, lanes: &mut decide::Scratch) {
-        scratch.take_likeliest();
-        self.decide_parts(scratch, lanes);
-        scratch.take_rest();
+        let scenes = [self.a.scene, self.b.scene];
+        let objects = ScenePairs { frames: self.frames(), scenes, pairs: self.pairs };
+        let are_all_wanted = lanes.touching_parts.is_wanted();
+        scratch.begin();
+        if are_all_wanted {
+            scratch.take_all();
+        } else {
+            scratch.take_likeliest();
+            self.decide_parts(scratch, lanes);
+            scratch.take_rest();
+        }
         self.decide_parts(scratch, lanes);
         for doubt in &scratch.doubts {
             let known = &mut scratch.known[doubt.question as usize];
-            if known.touching {
+            if known.touching && !are_all_wanted {
                 continue;
             }
             let number = scratch.queue.questions[doubt.question as usize].number;
-            let Pair { i, j } = self.pairs[number as usize];
-            let whole = [PosedShape::of(self.a.scene, i), PosedShape::of(self.b.scene, j)];
-            let parts = [part(self.a, i, doubt.parts.i), part(self.b, j, doubt.parts.j)];
+            let whole = objects.posed(self.pairs[number as usize]);
+            let parts = objects.parts(doubt.parts);
             let axes = doubt.axes.map(|axis| axis.as_dvec3());
             let (verdict, method) = certified::overlap_of_parts_after(&axes, whole, parts);
             known.method = known.method.max(method);
             match verdict {
                 Verdict::Apart => {}
-                Verdict::Touching(()) => known.touching = true,
+                Verdict::Touching(()) => {
+                    known.touching = true;
+                    if are_all_wanted {
+                        scratch.touching[doubt.place as usize] = true;
+                    }
+                }
                 Verdict::Undecided(reason) => known.undecided = Some(reason),
             }
         }
@@ -117,39 +134,24 @@ impl Slice<'_> {
         }
         doubts.extend(left.iter().map(|left| Doubt {
             question: question_of[left.number as usize],
+            place: left.number,
             parts: part_pairs[left.number as usize],
             axes: left.axes,
         }));
     }
 }
 
-/// An object's part by its record, its index and the part itself; or the object, which is its own.
-pub(super) fn part(
-    side: Prepared<'_, SimdFrame>,
-    object: u32,
-    record: u32,
-) -> (u32, PosedShape<'_>) {
-    let whole = PosedShape::of(side.scene, object);
-    let part = side.frame.place_of(object, record).and_then(|place| {
-        let cores = side.frame.cores();
-        let first = cores.cores()[side.scene.shape_of()[object as usize] as usize].first_part;
-        let number = cores.parts()[(first + place) as usize].part;
-        match whole.shape {
-            Shape::Compound(compound) => Some((number, compound.parts()[number as usize].placed())),
-            _ => None,
-        }
-    });
-    let (number, shape) = part.unwrap_or((0, whole.shape));
-    (number, PosedShape { shape, ..whole })
-}
-
 impl Scratch {
-    /// Takes one pair of parts for each question; nothing is known of any yet.
-    fn take_likeliest(&mut self) {
+    /// Nothing is known of any question yet.
+    fn begin(&mut self) {
         let none = Known { touching: false, undecided: None, method: Method::Portal };
         self.known.clear();
         self.known.resize(self.queue.questions.len(), none);
         self.doubts.clear();
+    }
+
+    /// Takes one pair of parts for each question.
+    fn take_likeliest(&mut self) {
         self.part_pairs.clone_from(&self.queue.first);
         self.question_of.clear();
         self.question_of.extend(0..self.queue.questions.len() as u32);
@@ -167,6 +169,36 @@ impl Scratch {
                 self.question_of.resize(self.part_pairs.len(), number);
             }
             begin = end;
+        }
+    }
+    /// Takes all pairs of each question.
+    fn take_all(&mut self) {
+        self.part_pairs.clear();
+        self.question_of.clear();
+        let mut begin = 0;
+        for (number, question) in (0..).zip(&self.queue.questions) {
+            let end = question.end as usize;
+            self.part_pairs.push(self.queue.first[number as usize]);
+            self.part_pairs.extend_from_slice(&self.queue.rest[begin..end]);
+            self.question_of.resize(self.part_pairs.len(), number);
+            begin = end;
+        }
+    }
+
+    /// Hands on which pairs of parts touch, of those that were decided last, where that is wanted.
+    fn keep_touching(&self, kept: &mut TouchingParts) {
+        if !kept.is_wanted() {
+            return;
+        }
+        let Self { part_pairs, question_of, touching, queue, .. } = self;
+        let mut begin = 0;
+        for of_one in question_of.chunk_by(|one, other| one == other) {
+            let own = begin..begin + of_one.len();
+            begin = own.end;
+            let number = queue.questions[of_one[0] as usize].number;
+            let parts = part_pairs[own.clone()].iter().zip(&touching[own]);
+            let parts = parts.filter(|(_, touches)| **touches).map(|(&parts, _)| parts);
+            kept.of_compounds.push(number, parts);
         }
     }
 }

@@ -25,6 +25,8 @@ pub(super) struct Start {
 pub(super) struct Compounds {
     /// One for each object and one behind the last; none at all in a scene without compounds.
     starts: Vec<Start>,
+    /// For each part the object that it is of.
+    owners: Vec<u32>,
     /// The parts' boxes in the world, sixteen a group, each group of one object.
     groups: Vec<Aabb16>,
     /// For each group the box round it.
@@ -61,6 +63,7 @@ impl Compounds {
         first: u32,
     ) {
         self.starts.clear();
+        self.owners.clear();
         self.groups.clear();
         self.unions.clear();
         let cores = all_cores.cores();
@@ -72,9 +75,10 @@ impl Compounds {
             return;
         }
         let mut block = first;
-        for &shape in scene.shape_of() {
+        for (object, &shape) in (0..).zip(scene.shape_of()) {
             self.starts.push(self.end(records, block));
             let of = parts(shape);
+            self.owners.resize(self.owners.len() + of.parts as usize, object);
             let own = &all_cores.parts()[of.first_part as usize..][..of.parts as usize];
             for part in own {
                 let (record, next) = laid_out(part, block);
@@ -104,7 +108,7 @@ impl Compounds {
         blocks: &'f mut [Block],
         boxes: &'f mut [ObbRecord],
     ) -> CompoundPart<'f> {
-        let Self { starts, groups, unions } = self;
+        let Self { starts, groups, unions, .. } = self;
         CompoundPart { starts, records, blocks, boxes, groups, unions }
     }
 
@@ -121,10 +125,11 @@ impl Compounds {
         (start != end).then_some(members)
     }
 
-    /// A record's number among the parts of that object.
-    pub(super) fn place_of(&self, object: u32, record: u32) -> Option<u32> {
-        let [start, end] = *self.starts.get(object as usize..)?.first_chunk()?;
-        (start.record..end.record).contains(&record).then(|| record - start.record)
+    /// The object that a part is of, and its number among the parts of that; `None` of an object's own record.
+    pub(super) fn owner_of(&self, record: u32) -> Option<(u32, u32)> {
+        let number = record.checked_sub(self.starts.first()?.record)?;
+        let object = *self.owners.get(number as usize)?;
+        Some((object, record - self.starts[object as usize].record))
     }
 }
 

@@ -4,7 +4,7 @@ use super::inscribed::Inscribed;
 use crate::query::case_of;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::{
-    Compound, Curved, Kind, ObbBounds, Polytope, Pose, Revision, Scene, Shape, SupportMap,
+    Compound, Curved, Kind, ObbBounds, Part, Polytope, Pose, Revision, Scene, Shape, SupportMap,
 };
 use dcd_simd::{Block, WIDTH};
 
@@ -38,6 +38,8 @@ pub(crate) struct Core {
     pub(crate) has_obb: bool,
     /// Whether the core is its inner and outer OBBs, both of them.
     pub(crate) is_box: bool,
+    /// Whether the core is a part that was a cuboid before it was placed, and its OBBs are that to [`NEARLY`].
+    pub(crate) is_nearly_box: bool,
     /// Whether it is a sphere round the origin of its frame.
     pub(crate) is_sphere: bool,
     /// Whether it is a point, or a segment with its centre in the middle.
@@ -56,6 +58,12 @@ pub(crate) struct Core {
 /// the object. Larger: large compounds cost memory and lists where a tree is quicker. Smaller: more
 /// of them are searched one pair at a time. Never an answer.
 pub(crate) const MAX_PARTS: usize = 256;
+
+/// How far apart the outer and the inner OBB of a placed cuboid may be that is taken for a cuboid in f32, relative to its
+/// shortest half edge. They are a thousand times as far apart as its vertices may be from a cuboid's: that is 1e-5 of a rounding in
+/// f32. Larger: cuboids far from their compound's origin whose bounds do not count what they are off. Smaller: more of them are
+/// searched as hulls.
+const NEARLY: f64 = 1e-9;
 
 /// How far a point and a centre, each R·v + t rounded, may have moved apart. Unit: of their distance
 /// from the origin. Each loses 4u a component, √3 of that: 14u, and a margin.
@@ -176,13 +184,27 @@ impl Cores {
             let part = &compound.parts()[number as usize];
             let (core, obb) = match part.moved_curved() {
                 Some(curved) => self.of_moved(curved, &part.pose),
-                None => self.core(part.placed()),
+                None => self.of_placed(part),
             };
             self.parts.push(Core { part: number, ..core }, obb);
         }
         let parts = self.parts.cores.len() as u32 - first_part;
         let whole = &mut self.shapes.cores[shape];
         *whole = Core { first_part, parts, ..*whole };
+    }
+
+    /// A part as its compound has placed it.
+    fn of_placed(&mut self, part: &Part) -> (Core, Option<ObbBoundsF32>) {
+        let (core, obb) = self.core(part.placed());
+        let kind = part.shape.as_polytope().map(Polytope::kind);
+        let placed = part.placed().as_polytope().and_then(Polytope::obb);
+        let (Some(Kind::Cuboid { half_extents }), Some(placed)) = (kind, placed) else {
+            return (core, obb);
+        };
+        let apart = (placed.outer - placed.inner).max_element();
+        let is_nearly_box = apart <= NEARLY * half_extents.min_element();
+        let case = case_of(half_extents.to_array()).unwrap_or(UNKNOWN_CASE) as f32;
+        (Core { is_nearly_box, ..core }, obb.map(|obb| ObbBoundsF32 { case, ..obb }))
     }
 
     fn of_polytope(&mut self, polytope: &Polytope) -> (Core, Option<ObbBoundsF32>) {

@@ -167,6 +167,9 @@ impl<'a> Slice<'a> {
             |left: &mut Left| expand::has_parts(frames, self.pairs[left.number as usize]);
         with_parts.clear();
         with_parts.extend(scratch.left.extract_if(.., has_parts).map(|left| left.number));
+        if scratch.touching_parts.is_wanted() {
+            with_parts.sort_unstable();
+        }
         let mut touching = std::mem::take(&mut scratch.touching);
         by_parts::judge(self, &with_parts, scratch, (&mut touching, report));
         (scratch.touching, scratch.with_parts) = (touching, with_parts);

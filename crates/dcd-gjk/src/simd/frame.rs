@@ -2,7 +2,7 @@
 
 use super::axis_aligned::AxisAligned;
 use super::compounds::{CompoundPart, Compounds, Members, laid_out};
-use super::cores::{Cores, is_sphere};
+use super::cores::{Core, Cores, is_sphere};
 use super::prepare::constants;
 use crate::Sides;
 use crate::closed::PlacedSphere;
@@ -108,6 +108,9 @@ pub(super) const SPHERE: u8 = 32;
 /// the centre.
 pub(super) const STRAIGHT_CORE: u8 = 64;
 
+/// A record's mark that it is a part whose boxes are a cuboid as it was given, and it is that but for what f64 rounds.
+pub(super) const NEARLY_BOX: u8 = 128;
+
 /// One object on one cache line. The radii include what the pose's matrix departs from a rotation
 /// by, and are rounded to the safe side.
 #[derive(Clone, Copy, Debug, Default)]
@@ -123,7 +126,8 @@ pub(super) struct Record {
     /// How many blocks it has; 0 where the lanes do not know the shape, or the scene is of a form
     /// without vertices.
     pub(super) blocks: u8,
-    /// [`HAS_OBB`], [`LIVE`], [`AXIS_ALIGNED`], [`WHOLE`], [`BOX`], [`SPHERE`] and [`STRAIGHT_CORE`], each or not.
+    /// [`HAS_OBB`], [`LIVE`], [`AXIS_ALIGNED`], [`WHOLE`], [`BOX`], [`SPHERE`], [`STRAIGHT_CORE`] and [`NEARLY_BOX`], each or
+    /// not.
     pub(super) marks: u8,
     /// A sphere round the centre inside the object, its swept radius included: rounded down.
     pub(super) inner: f32,
@@ -346,9 +350,20 @@ impl SimdFrame {
         self.record(object).marks & LIVE != 0
     }
 
-    /// The number of a record among the parts of that object, if it is one.
-    pub(super) fn place_of(&self, object: u32, record: u32) -> Option<u32> {
-        self.compounds.place_of(object, record)
+    /// The object that a record is of, and the core of the part that it is of a compound: of that object's shape.
+    pub(super) fn part_of(&self, scene: &Scene, record: u32) -> Option<(u32, &Core)> {
+        let (object, place) = self.compounds.owner_of(record)?;
+        let whole = &self.cores.cores()[scene.shape_index(object as usize) as usize];
+        Some((object, &self.cores.parts()[(whole.first_part + place) as usize]))
+    }
+
+    /// The core of an object or of a part.
+    #[inline(always)]
+    pub(super) fn core_of(&self, scene: &Scene, record: u32) -> &Core {
+        match self.part_of(scene, record) {
+            Some((_, part)) => part,
+            None => &self.cores.cores()[scene.shape_index(record as usize) as usize],
+        }
     }
 
     #[inline(always)]

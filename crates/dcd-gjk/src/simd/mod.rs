@@ -46,6 +46,7 @@ pub use closed::patches::CuboidPatch;
 pub(crate) use closed::patches::{PatchPoint, Shown, ShownKind};
 pub use decide::Scratch;
 pub use depths::SimdDepths;
+pub(crate) use depths::depth_of_cuboids;
 pub use distances::SimdDistances;
 pub use frame::{Part, SimdFrame};
 

@@ -11,7 +11,7 @@ use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
 use super::compounds::{CompoundPart, Whole};
 use super::cores::{Core, Cores, ObbBoundsF32};
 use super::frame::{
-    AXIS_ALIGNED, BOX, Extremes, Form, HAS_OBB, LIVE, ObbRecord, Part, Record, SPHERE,
+    AXIS_ALIGNED, BOX, Extremes, Form, HAS_OBB, LIVE, NEARLY_BOX, ObbRecord, Part, Record, SPHERE,
     STRAIGHT_CORE, WHOLE,
 };
 use super::vector::V3;
@@ -197,6 +197,7 @@ fn marks(record: &Record, core: &Core, pose: &Pose) -> u8 {
     let boxed = core.has_obb && pose.deviation() < TURNED;
     marked(boxed, HAS_OBB)
         | marked(boxed && core.is_box && core.radius == 0.0, BOX)
+        | marked(boxed && core.is_nearly_box && core.radius == 0.0, NEARLY_BOX)
         | marked(core.is_sphere, SPHERE)
         | marked(record.blocks > 0 && core.is_straight, STRAIGHT_CORE)
         | marked(record.blocks > 0, LIVE)

@@ -1,5 +1,6 @@
 //! Pairs of which more is read than the lanes keep: the shapes and poses of the scene itself.
 
+use super::cores::Core;
 use super::frame::{BOX, FramePair, SPHERE, STRAIGHT_CORE, SimdFrame};
 use crate::PosedShape;
 use dcd_geom::{Pair, Scene, Shape};
@@ -38,17 +39,31 @@ impl<'a> ScenePairs<'a> {
         self.scenes.iter().all(|scene| scene.shapes().len() <= FEW_SHAPES)
     }
 
+    /// Two objects, or two parts as their compounds have placed them.
     #[inline(always)]
     pub(super) fn posed(&self, pair: Pair) -> [PosedShape<'a>; 2] {
-        let [a, b] = self.scenes;
-        [PosedShape::of(a, pair.i), PosedShape::of(b, pair.j)]
+        let ([a, b], FramePair { a: of_a, b: of_b }) = (self.scenes, self.frames);
+        [posed(of_a, a, pair.i), posed(of_b, b, pair.j)]
+    }
+
+    /// The cores of the two.
+    #[inline(always)]
+    pub(super) fn cores(&self, pair: Pair) -> [&'a Core; 2] {
+        let ([a, b], FramePair { a: of_a, b: of_b }) = (self.scenes, self.frames);
+        [of_a.core_of(a, pair.i), of_b.core_of(b, pair.j)]
+    }
+
+    /// Two parts by their records: see [`part`].
+    pub(super) fn parts(&self, records: Pair) -> [(u32, PosedShape<'a>); 2] {
+        let ([a, b], FramePair { a: of_a, b: of_b }) = (self.scenes, self.frames);
+        [part(of_a, a, records.i), part(of_b, b, records.j)]
     }
 
     /// The vertices of two polytopes by their places in the blocks, the last of which is filled up with the last vertex.
     #[inline(always)]
     pub(super) fn vertices(&self, pair: Pair, [in_a, in_b]: [u32; 2]) -> Option<[u32; 2]> {
-        let [a, b] = self.scenes;
-        Some([vertex(a, pair.i, in_a)?, vertex(b, pair.j, in_b)?])
+        let [a, b] = self.posed(pair);
+        Some([vertex(a, in_a)?, vertex(b, in_b)?])
     }
 
     /// Prefetches where the shapes are of the pairs behind one of that number, and then what is there.
@@ -134,10 +149,43 @@ impl<'a> ScenePairs<'a> {
     }
 }
 
+#[inline(always)]
+fn posed<'a>(frame: &'a SimdFrame, scene: &'a Scene, record: u32) -> PosedShape<'a> {
+    if (record as usize) < scene.len() {
+        PosedShape::of(scene, record)
+    } else {
+        part(frame, scene, record).1
+    }
+}
+
+/// A part by its record: its number in its compound, and the part as the compound has placed it; of an object's own record the
+/// object, its only part.
+#[inline(never)]
+pub(super) fn part<'a>(frame: &SimdFrame, scene: &'a Scene, record: u32) -> (u32, PosedShape<'a>) {
+    let Some((object, core)) = frame.part_of(scene, record) else {
+        return (0, PosedShape::of(scene, record));
+    };
+    let whole = PosedShape::of(scene, object);
+    match whole.shape {
+        Shape::Compound(compound) => (
+            core.part,
+            PosedShape { shape: compound.parts()[core.part as usize].placed(), ..whole },
+        ),
+        _ => (0, whole),
+    }
+}
+
+/// The shape of an object; `None` of a part, of which nothing is prefetched.
+#[inline(always)]
+fn shape_of(scene: &Scene, object: u32) -> Option<&Shape> {
+    let shape = *scene.shape_of().get(object as usize)?;
+    Some(&scene.shapes()[shape as usize])
+}
+
 /// See [`ScenePairs::vertices`].
 #[inline(always)]
-fn vertex(scene: &Scene, object: u32, place: u32) -> Option<u32> {
-    let polytope = scene.shape(object as usize).as_polytope()?;
+fn vertex(side: PosedShape<'_>, place: u32) -> Option<u32> {
+    let polytope = side.shape.as_polytope()?;
     Some(place.min((polytope.vertices().len() as u32).checked_sub(1)?))
 }
 
@@ -160,7 +208,8 @@ fn prefetch_triangles(scene: &Scene, object: u32, triangles: impl Iterator<Item 
 /// Prefetches an object's pose, its core, and where its polytope is.
 #[inline(always)]
 fn prefetch_places(frame: &SimdFrame, scene: &Scene, object: u32) {
-    let shape = scene.shape_index(object as usize) as usize;
+    let Some(&shape) = scene.shape_of().get(object as usize) else { return };
+    let shape = shape as usize;
     prefetch(slice::from_ref(&scene.shapes()[shape]));
     prefetch(slice::from_ref(&frame.cores().cores()[shape]));
     prefetch(slice::from_ref(&scene.poses()[object as usize]));
@@ -169,7 +218,7 @@ fn prefetch_places(frame: &SimdFrame, scene: &Scene, object: u32) {
 /// Prefetches an object's polytope: where its vertices and faces are.
 #[inline(always)]
 fn prefetch_polytope(scene: &Scene, object: u32) {
-    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+    if let Some(Shape::Polytope(polytope)) = shape_of(scene, object) {
         prefetch(slice::from_ref(&**polytope));
     }
 }
@@ -187,7 +236,7 @@ fn prefetch_shown(frame: &SimdFrame, scene: &Scene, object: u32, facets: bool) {
 #[inline(always)]
 fn prefetch_vertices(frame: &SimdFrame, scene: &Scene, object: u32) {
     prefetch_few::<BLOCKS, _>(frame.blocks_of(frame.record(object)));
-    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+    if let Some(Shape::Polytope(polytope)) = shape_of(scene, object) {
         prefetch_few::<VERTICES, _>(polytope.vertices());
     }
 }
@@ -195,7 +244,7 @@ fn prefetch_vertices(frame: &SimdFrame, scene: &Scene, object: u32) {
 /// Prefetches an object's planes and vertices, and its faces where `facets` says so.
 #[inline(always)]
 fn prefetch_planes(scene: &Scene, object: u32, facets: bool) {
-    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+    if let Some(Shape::Polytope(polytope)) = shape_of(scene, object) {
         polytope.prefetch_planes();
         prefetch_few::<VERTICES, _>(polytope.vertices());
         if facets {
@@ -207,7 +256,7 @@ fn prefetch_planes(scene: &Scene, object: u32, facets: bool) {
 /// Prefetches an object's first vertex.
 #[inline(always)]
 fn prefetch_first(scene: &Scene, object: u32) {
-    if let Shape::Polytope(polytope) = scene.shape(object as usize)
+    if let Some(Shape::Polytope(polytope)) = shape_of(scene, object)
         && let Some(vertex) = polytope.vertices().first()
     {
         prefetch(slice::from_ref(vertex));
@@ -217,7 +266,7 @@ fn prefetch_first(scene: &Scene, object: u32) {
 /// Prefetches the faces of an object.
 #[inline(always)]
 fn prefetch_facets(scene: &Scene, object: u32) {
-    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+    if let Some(Shape::Polytope(polytope)) = shape_of(scene, object) {
         polytope.prefetch_facets();
     }
 }

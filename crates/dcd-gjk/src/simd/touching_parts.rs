@@ -1,8 +1,9 @@
-//! Which parts of meshes and polytopes touch, where a measure of them follows.
+//! Which parts touch of meshes and polytopes, and of compounds, where a measure of them follows.
 
 use crate::epa::Depth;
 use crate::mesh::{self, KnownParts, Lists};
 use crate::{Method, PosedShape, Verdict};
+use dcd_geom::Pair;
 use dcd_simd::Path;
 
 /// Which parts of the touching meshes and polytopes of a slice touch: found once, for yes or no and for the measure.
@@ -16,6 +17,32 @@ pub(super) struct TouchingParts {
     depths: Vec<(u32, Depth)>,
     /// Upper bounds of how deep they are.
     at_most: Vec<(u32, f32)>,
+    pub(super) of_compounds: OfCompounds,
+}
+
+/// Which parts of the touching pairs of a slice touch that are of compounds.
+#[derive(Clone, Debug, Default)]
+pub(super) struct OfCompounds {
+    /// For each pair its number in the slice, in rising order, and where its pairs of parts end.
+    pub(super) ends: Vec<(u32, usize)>,
+    /// By their records.
+    pub(super) pairs: Vec<Pair>,
+}
+
+impl OfCompounds {
+    fn clear(&mut self) {
+        self.ends.clear();
+        self.pairs.clear();
+    }
+
+    /// Takes in a pair of the slice by its number, and its parts.
+    pub(super) fn push(&mut self, number: u32, parts: impl Iterator<Item = Pair>) {
+        let begin = self.pairs.len();
+        self.pairs.extend(parts);
+        if self.pairs.len() > begin {
+            self.ends.push((number, self.pairs.len()));
+        }
+    }
 }
 
 /// What the measure reads of the parts that touch.
@@ -40,6 +67,7 @@ impl TouchingParts {
         self.parts.clear();
         self.depths.clear();
         self.at_most.clear();
+        self.of_compounds.clear();
     }
 
     pub(super) fn is_wanted(&self) -> bool {

@@ -27,7 +27,7 @@ pub(in crate::query) struct Framed<'a> {
     shapes: [&'a Shape; 2],
     poses: [Pose; 2],
     /// Where the frame is; `None` of the world.
-    frame: Option<&'a Pose>,
+    frame: Option<Pose>,
     /// By how much more a distance or a depth may be off than in the frame: metres.
     lost: f64,
 }
@@ -55,7 +55,17 @@ impl<'a> Framed<'a> {
         };
         let size = a.shape.reach() + extent + place.length();
         let lost = (SEEN * UNIT + TILTED * tilt(a.pose.rotation())) * size;
-        Self { shapes, poses: [Pose::IDENTITY, seen], frame: Some(a.pose), lost }
+        Self { shapes, poses: [Pose::IDENTITY, seen], frame: Some(*a.pose), lost }
+    }
+
+    /// Two shapes in the world's axes, round the first one's origin.
+    pub(in crate::query) fn round_first([a, b]: [PosedShape<'a>; 2]) -> Option<Self> {
+        let place = b.pose.translation() - a.pose.translation();
+        let poses =
+            [a.pose.with_translation(DVec3::ZERO).ok()?, b.pose.with_translation(place).ok()?];
+        let frame = Some(Pose::from_translation(a.pose.translation()).ok()?);
+        let lost = 2.0 * UNIT * place.length();
+        Some(Self { shapes: [a.shape, b.shape], poses, frame, lost })
     }
 
     /// The two where they are seen.
@@ -68,27 +78,33 @@ impl<'a> Framed<'a> {
         self.frame.is_some()
     }
 
-    pub(super) fn lost(&self) -> f64 {
+    pub(in crate::query) fn lost(&self) -> f64 {
         self.lost
     }
 
     /// A normal of the frame, in the world: of unit length, also where poses are hardly rotations.
     #[inline]
     pub(in crate::query) fn turned(&self, normal: DVec3) -> DVec3 {
-        let turned = self.frame.map_or(normal, |pose| *pose.rotation() * normal);
+        let turned = self.frame.as_ref().map_or(normal, |pose| *pose.rotation() * normal);
         turned.normalize_or(turned)
     }
 
     /// A point of the frame, in the world.
     #[inline]
     pub(in crate::query) fn placed(&self, point: DVec3) -> DVec3 {
-        self.frame.map_or(point, |pose| pose.apply(point))
+        self.frame.as_ref().map_or(point, |pose| pose.apply(point))
     }
 
     /// What a point of the world may be off beside one of the frame: metres.
     pub(in crate::query) fn rounded(&self) -> f64 {
         let far = |pose: &Pose| pose.translation().length() + self.shapes[0].reach();
-        self.frame.map_or(0.0, |pose| 8.0 * f64::EPSILON * far(pose))
+        self.frame.as_ref().map_or(0.0, |pose| 8.0 * f64::EPSILON * far(pose))
+    }
+
+    /// A depth of the world, seen round the first shape's origin: [`Framed::round_first`].
+    pub(super) fn seen(&self, found: Depth) -> Depth {
+        let from = self.frame.as_ref().map_or(DVec3::ZERO, Pose::translation);
+        Depth { point_a: found.point_a - from, point_b: found.point_b - from, ..found }
     }
 
     pub(super) fn depth(&self, found: Depth) -> Depth {

@@ -4,6 +4,7 @@ use super::feature_code::FeatureCode;
 use super::patch_writer::{PatchWriter, Point};
 use super::{Feature, cuboids};
 use crate::PosedShape;
+use crate::epa::Depth;
 use crate::simd::{CuboidPatch, PatchPoint, Shown, ShownKind};
 use dcd_geom::Kind;
 use dcd_geom::glam::{DMat3, DVec3};
@@ -13,35 +14,80 @@ use std::hint::select_unpredictable;
 #[inline(always)]
 pub(super) fn write(
     patch: CuboidPatch<'_>,
-    [a, b]: [PosedShape<'_>; 2],
+    sides: [PosedShape<'_>; 2],
     writer: &mut impl PatchWriter,
 ) -> bool {
-    let (codes, is_swapped) = (patch.codes(), patch.is_swapped());
+    let (codes, seen) = (patch.codes(), Seen::of(patch, sides));
     // Of the one that clips, and of the other.
     let [clips, other] = patch.shown();
-    let is_of_a = (codes.clips() == 1) == is_swapped;
-    let [of_clips, of_other] = if is_of_a { [a, b] } else { [b, a] };
+    let [a, b] = sides;
+    let [of_clips, of_other] = if seen.is_of_a { [a, b] } else { [b, a] };
     let (Some(of_clips), Some(of_other)) = (whole(clips, of_clips), whole(other, of_other)) else {
         return false;
     };
     let whole = [of_clips, of_other];
-    let sides = if is_swapped { [b, a] } else { [a, b] };
-    let normal = normal(patch, [sides[0].pose.rotation(), sides[1].pose.rotation()]);
-    let origin = sides[0].pose.translation();
-    let to_other = normal * if codes.clips() == 0 { -1.0 } else { 1.0 };
     let is_crossing = clips.kind != ShownKind::Face;
     let corners = Numbered::of([clips, other]);
+    let to_other = seen.normal * if codes.clips() == 0 { -1.0 } else { 1.0 };
+    let Seen { origin, is_of_a, .. } = seen;
     let placed = Placed { origin, to_other, is_of_a, is_crossing, whole, corners };
     let mut points = patch.points();
     let Some(deepest) = points.next() else { return false };
-    let far = origin.length() + sides[1].pose.translation().length();
-    let error_bound = f64::from(patch.error_bound()) + 8.0 * f64::EPSILON * far;
-    let normal = normal * if is_swapped { -1.0 } else { 1.0 };
-    writer.begin(normal, error_bound, placed.point(deepest));
+    writer.begin(seen.normal_of_a(patch), seen.error_bound, placed.point(deepest));
     for point in points {
         writer.push(placed.point(point));
     }
     true
+}
+
+/// The depth of a patch that is known, with the deepest of its points.
+pub(in crate::query) fn depth_of_patch(
+    patch: CuboidPatch<'_>,
+    sides: [PosedShape<'_>; 2],
+) -> Option<Depth> {
+    let seen = Seen::of(patch, sides);
+    let PatchPoint { offset: [x, y, z], depth, .. } = patch.points().next()?;
+    let depth = f64::from(depth);
+    let on_clips = seen.origin + DVec3::new(x.into(), y.into(), z.into());
+    let normal = seen.normal_of_a(patch);
+    // a is deepest ahead along the normal.
+    let [point_a, point_b] = match seen.is_of_a {
+        true => [on_clips, on_clips - normal * depth],
+        false => [on_clips + normal * depth, on_clips],
+    };
+    let is_finite = normal.is_finite() && point_a.is_finite() && point_b.is_finite();
+    let error_bound = seen.error_bound;
+    is_finite.then_some(Depth { depth, normal, point_a, point_b, error_bound })
+}
+
+/// A patch beside its two cuboids.
+struct Seen {
+    /// The first's centre.
+    origin: DVec3,
+    /// From the first to the second.
+    normal: DVec3,
+    /// Whether a is the one that clips.
+    is_of_a: bool,
+    error_bound: f64,
+}
+
+impl Seen {
+    #[inline(always)]
+    fn of(patch: CuboidPatch<'_>, [a, b]: [PosedShape<'_>; 2]) -> Self {
+        let is_swapped = patch.is_swapped();
+        let sides = if is_swapped { [b, a] } else { [a, b] };
+        let normal = normal(patch, [sides[0].pose.rotation(), sides[1].pose.rotation()]);
+        let origin = sides[0].pose.translation();
+        let far = origin.length() + sides[1].pose.translation().length();
+        let error_bound = f64::from(patch.error_bound()) + 8.0 * f64::EPSILON * far;
+        Self { origin, normal, is_of_a: (patch.codes().clips() == 1) == is_swapped, error_bound }
+    }
+
+    /// From a to b.
+    #[inline(always)]
+    fn normal_of_a(&self, patch: CuboidPatch<'_>) -> DVec3 {
+        self.normal * if patch.is_swapped() { -1.0 } else { 1.0 }
+    }
 }
 
 /// What the points of a patch have in common.

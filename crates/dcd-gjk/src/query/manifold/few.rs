@@ -2,16 +2,21 @@
 //! that meet along its normal, all as they were given.
 //!
 //! The same manifolds as those of the parts as they are placed, to within what few_parts moves these by, which is in
-//! their bounds.
+//! their bounds. Of any compounds too, at every accuracy, where the lanes know which parts touch.
 
 use super::corners::Corners;
 use super::feature::View;
 use super::parts::{ALIKE, NEAR};
-use super::{Feature, Manifold, ManifoldSet, Scratch, few_on_plane, turned_by, write_of_two};
+use super::patch_writer::InOrder;
+use super::{
+    Feature, Manifold, ManifoldSet, Scratch, cuboid_patch, few_on_plane, turned_by, write_of_two,
+};
 use crate::closed::is_sphere;
 use crate::epa::Depth;
 use crate::query::Accuracy;
-use crate::query::few_parts::{self, Couple, Framed, Wanted};
+use crate::query::few_parts::{
+    self, Couple, Framed, PartContact, TouchingParts, Wanted, wholes_in_order,
+};
 use crate::{PosedShape, mesh};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Polytope, Shape, Vector};
@@ -75,15 +80,75 @@ fn write_in_order(
     couple.touching((at, Wanted::All), memory, |pair, depth| {
         found.push(Found { pair, depth, is_open: true });
     })?;
-    let mut patches = Patches { sides: framed.sides(), couple: &couple, found, corners };
-    let (lead, depth) = patches.deepest()?;
-    patches.write(lead, &depth, set.only_mut()?)?;
-    while let Some((lead, depth)) = patches.deepest() {
-        let left = patches.found.iter().filter(|found| found.is_open).count();
-        set.push_with(left, |manifold| patches.write(lead, &depth, manifold))?;
+    Patches { framed: &framed, parts: &couple, found, corners }.write_all(set)
+}
+
+/// Writes the manifolds of two shapes over a set of one empty manifold, of which it is known which parts touch; false, and
+/// anything written, where one cannot be measured as it was given.
+///
+/// (a, b) and (b, a) give the same bits, mirrored.
+pub(super) fn write_known(
+    at: Accuracy,
+    known: &mut [PartContact<'_>],
+    sides: [PosedShape<'_>; 2],
+    scratch: &mut Scratch,
+    set: &mut ManifoldSet,
+) -> bool {
+    let (wholes, is_swapped) = wholes_in_order(sides);
+    let is_known = write_known_in_order(at, (wholes, is_swapped), known, (scratch, set)).is_some();
+    if is_known && is_swapped {
+        set.mirror();
     }
-    set.all_mut().iter_mut().for_each(|manifold| place(manifold, &framed));
-    Some(())
+    is_known
+}
+
+fn write_known_in_order(
+    at: Accuracy,
+    (wholes, is_swapped): ([PosedShape<'_>; 2], bool),
+    known: &mut [PartContact<'_>],
+    (scratch, set): (&mut Scratch, &mut ManifoldSet),
+) -> Option<()> {
+    let Scratch { depth: memory, corners, of_few: found, .. } = scratch;
+    let framed = Framed::round_first(wholes)?;
+    let parts = TouchingParts::of(&framed, (wholes, is_swapped), known)?;
+    found.clear();
+    for number in 0..parts.len() {
+        let depth = parts.depth(at, number, memory)?;
+        found.push(Found { pair: parts.pair(number), depth, is_open: true });
+    }
+    Patches { framed: &framed, parts: &parts, found, corners }.write_all(set)
+}
+
+/// Where the parts are that touch.
+trait Parts {
+    /// Two of them, and by how much they are moved: metres.
+    fn posed(&self, pair: [u32; 2]) -> Option<([PosedShape<'_>; 2], f64)>;
+
+    /// Writes the manifold of those of that number alone, if the lanes know where they touch; false, and nothing written,
+    /// where they do not.
+    fn write_patch(&self, number: usize, manifold: &mut Manifold) -> bool;
+}
+
+impl Parts for Couple<'_> {
+    fn posed(&self, pair: [u32; 2]) -> Option<([PosedShape<'_>; 2], f64)> {
+        Couple::posed(self, pair)
+    }
+
+    fn write_patch(&self, _: usize, _: &mut Manifold) -> bool {
+        false
+    }
+}
+
+impl Parts for TouchingParts<'_> {
+    fn posed(&self, pair: [u32; 2]) -> Option<([PosedShape<'_>; 2], f64)> {
+        TouchingParts::posed(self, pair)
+    }
+
+    fn write_patch(&self, number: usize, manifold: &mut Manifold) -> bool {
+        let Some((patch, sides)) = self.patch(number) else { return false };
+        let writer = &mut InOrder { writer: manifold, is_swapped: self.is_swapped() };
+        cuboid_patch::write(patch, sides, writer)
+    }
 }
 
 /// Takes a manifold from a frame to the world.
@@ -97,14 +162,25 @@ fn place(manifold: &mut Manifold, framed: &Framed<'_>) {
 }
 
 /// The pairs of parts that touch, and what their manifolds are made with.
-struct Patches<'a, 's> {
-    sides: [PosedShape<'s>; 2],
-    couple: &'a Couple<'s>,
+struct Patches<'a, P> {
+    framed: &'a Framed<'a>,
+    parts: &'a P,
     found: &'a mut [Found],
     corners: &'a mut Corners,
 }
 
-impl Patches<'_, '_> {
+impl<P: Parts> Patches<'_, P> {
+    fn write_all(&mut self, set: &mut ManifoldSet) -> Option<()> {
+        let (lead, depth) = self.deepest()?;
+        self.write(lead, &depth, set.only_mut()?)?;
+        while let Some((lead, depth)) = self.deepest() {
+            let left = self.found.iter().filter(|found| found.is_open).count();
+            set.push_with(left, |manifold| self.write(lead, &depth, manifold))?;
+        }
+        set.all_mut().iter_mut().for_each(|manifold| place(manifold, self.framed));
+        Some(())
+    }
+
     /// The first of the deepest pairs that are open, and its depth, whose bound counts that another may be deeper.
     fn deepest(&self) -> Option<(usize, Depth)> {
         let open = || self.found.iter().enumerate().filter(|(_, found)| found.is_open);
@@ -129,13 +205,20 @@ impl Patches<'_, '_> {
         }
         let Found { pair, is_open, .. } = &mut self.found[lead];
         *is_open = false;
-        let (posed, _) = self.couple.posed(*pair)?;
-        write_of_two(depth, posed, self.corners, manifold);
-        let parts = [0, 1].map(|k| mesh::part_index(self.sides[k].shape, pair[k]));
+        let (posed, moved) = self.parts.posed(*pair)?;
+        if self.parts.write_patch(lead, manifold) {
+            // What another may be deeper by is in the bound of the depth.
+            manifold.error_bound = manifold.error_bound.max(depth.error_bound);
+        } else {
+            write_of_two(depth, posed, self.corners, manifold);
+        }
+        manifold.error_bound = (manifold.error_bound + moved).min(f64::MAX);
+        let sides = self.framed.sides();
+        let parts = [0, 1].map(|k| mesh::part_index(sides[k].shape, pair[k]));
         manifold.parts = parts;
         for point in &mut *manifold.points {
             let [of_a, of_b] = point.features;
-            let name = |k: usize, feature| few_parts::name(self.sides[k], pair[k], feature);
+            let name = |k: usize, feature| few_parts::name(sides[k], pair[k], feature);
             point.features = [name(0, of_a)?, name(1, of_b)?];
             point.parts = parts;
         }
@@ -145,6 +228,7 @@ impl Patches<'_, '_> {
     /// The same of several pairs, by the corners of all.
     fn write_several(&mut self, lead: usize, depth: &Depth, manifold: &mut Manifold) -> Option<()> {
         let view = View::along(depth.normal);
+        let sides = self.framed.sides();
         self.corners.clear();
         let (mut features, mut rest) = (Default::default(), 0.0f64);
         let (mut most_moved, mut most_turned) = (0.0f64, 0.0f64);
@@ -153,7 +237,7 @@ impl Patches<'_, '_> {
             let member = if is_open { self.member(k, lead, depth) } else { None };
             let Some(member) = member else { continue };
             self.found[k].is_open = false;
-            let (posed, moved) = self.couple.posed(pair)?;
+            let (posed, moved) = self.parts.posed(pair)?;
             most_moved = most_moved.max(moved);
             most_turned =
                 posed.iter().map(|side| side.pose.deviation()).sum::<f64>().max(most_turned);
@@ -167,15 +251,15 @@ impl Patches<'_, '_> {
             if let Member::Separated(more) = member {
                 rest = rest.max(more);
             } else if self.corners.len() == before {
-                self.corners.add_witness(&view, &own, self.sides[0].pose.translation());
+                self.corners.add_witness(&view, &own, sides[0].pose.translation());
             }
             self.corners.are_of(k as u32, before);
         }
-        let of_points = self.corners.write(&view, depth, self.sides, features, manifold);
+        let of_points = self.corners.write(&view, depth, sides, features, manifold);
         // Of the sides' poses it is counted; the parts have others.
-        let turned = turned_by(most_turned, (depth, self.corners.size(), self.sides));
+        let turned = turned_by(most_turned, (depth, self.corners.size(), sides));
         manifold.error_bound = (manifold.error_bound + rest + most_moved + turned).min(f64::MAX);
-        let [a, b] = self.sides;
+        let [a, b] = sides;
         let parts = |[j, k]: [u32; 2]| [mesh::part_index(a.shape, j), mesh::part_index(b.shape, k)];
         manifold.parts = parts(self.found[lead].pair);
         for (point, number) in manifold.points.iter_mut().zip(of_points) {
@@ -202,7 +286,7 @@ impl Patches<'_, '_> {
             true => self.corners.add(view, &seen, posed),
             false => self.corners.add_on_plane(view, &seen, posed),
         };
-        let from = posed[0].pose.translation() - self.sides[0].pose.translation();
+        let from = posed[0].pose.translation() - self.framed.sides()[0].pose.translation();
         self.corners.shift(before, view.of(from));
         if self.corners.deepest_after(before) > depth.depth + self.corners.tolerance() {
             self.corners.truncate(before);
@@ -219,7 +303,7 @@ impl Patches<'_, '_> {
         if own.normal.dot(depth.normal) >= ALIKE {
             return Some(Member::Alike);
         }
-        let (posed, _) = self.couple.posed(*pair)?;
+        let (posed, _) = self.parts.posed(*pair)?;
         rest(posed, depth).map(Member::Separated)
     }
 }

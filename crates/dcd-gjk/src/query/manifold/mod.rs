@@ -37,7 +37,7 @@ mod surface;
 mod triangle_clip;
 mod upright;
 
-use super::{Accuracy, FoundDepth, FoundPair, MeasureAt, MeasureDepth};
+use super::{Accuracy, FoundDepth, FoundPair, MeasureAt, MeasureDepth, PartContact};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, KnownParts, PartIndex};
 use crate::simd::CuboidPatch;
@@ -46,6 +46,7 @@ use alone::Known;
 use bounds::{bound_of, bound_of_witnesses, missed, turned_by};
 pub use contacts::ManifoldContacts;
 use corners::Corners;
+pub(super) use cuboid_patch::depth_of_patch;
 pub(crate) use cuboids::case_of;
 use dcd_geom::Pair;
 use dcd_geom::glam::DVec3;
@@ -317,6 +318,22 @@ impl MeasureDepth for Manifolds {
     ) -> Verdict<()> {
         let how = Measure { accuracy, options: self.options };
         parts::write(how, Some(known), sides, scratch, answer)
+    }
+
+    fn measure_compounds(
+        &self,
+        accuracy: Accuracy,
+        known: &mut [PartContact<'_>],
+        sides: [PosedShape<'_>; 2],
+        scratch: &mut Scratch,
+        answer: &mut ManifoldSet,
+    ) -> Verdict<()> {
+        answer.begin_one();
+        if few::write_known(accuracy, known, sides, scratch, answer) {
+            return Verdict::Touching(());
+        }
+        let how = Measure { accuracy, options: self.options };
+        parts::write(how, None, sides, scratch, answer)
     }
 
     const TOGETHER: usize = PAIRS;

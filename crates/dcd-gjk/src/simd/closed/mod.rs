@@ -9,15 +9,17 @@ mod projections;
 mod tests;
 
 use super::bounds::SIZE;
-use super::frame::{BOX, FramePair, Record};
+use super::frame::{BOX, FramePair, NEARLY_BOX, Record};
 use super::vector::V3;
 use dcd_geom::Pair;
 use dcd_simd::{Lanes, Row, WIDTH};
 
-/// Whether the lanes know both objects as cuboids without a swept radius.
+/// Whether the lanes know both objects as cuboids without a swept radius, or parts of compounds that are such but for what f64
+/// rounds.
 #[inline(always)]
 pub(super) fn are_cuboids(frames: FramePair<'_>, pair: Pair) -> bool {
-    frames.a.record(pair.i).marks & frames.b.record(pair.j).marks & BOX != 0
+    let is_one = |record: &Record| record.marks & (BOX | NEARLY_BOX) != 0;
+    is_one(frames.a.record(pair.i)) && is_one(frames.b.record(pair.j))
 }
 
 /// Which cuboid of a pair is the first.

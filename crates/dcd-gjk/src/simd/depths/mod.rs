@@ -9,6 +9,7 @@ mod apart;
 mod confirm;
 mod formulas;
 mod nearest_face;
+mod of_parts;
 mod proposed;
 mod search;
 mod searched;
@@ -40,6 +41,7 @@ use dcd_geom::{Aabb, List, Pair, Scene};
 use dcd_simd::{ArrayVec, Kernel, Lanes, Path, dispatch_on};
 use formulas::{BySpheres, Sort, WritePatches};
 use nearest_face::OfFaces;
+use of_parts::OfParts;
 use proposed::{Proposal, Propose};
 use search::{DepthSearch, Next};
 use searched::Searched;
@@ -91,6 +93,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
 pub struct Scratch<S> {
     yes: Yes,
     of_touching: TouchingScratch,
+    of_parts: OfParts,
     touching: Vec<Pair>,
     left: Left,
     solver: S,
@@ -245,7 +248,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
-        let Scratch { yes, of_touching, touching, left, solver } = scratch;
+        let Scratch { yes, of_touching, of_parts, touching, left, solver } = scratch;
         let frames = FramePair { a: a.frame, b: b.frame };
         if frames.are_spheres() {
             let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs };
@@ -273,6 +276,9 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         };
         let answers = Answers { objects, to, waiting: ArrayVec::new() };
         self.answer(objects, of_touching, answers);
+        let of_compounds = (pairs, &yes.touching_parts.of_compounds);
+        of_parts.measure((self.path, self.accuracy), objects, of_compounds, of_touching);
+        let (of_parts, mut parts) = (&*of_parts, Vec::new());
         left.sort(frames, touching);
         let mut lists = yes.touching_parts.lists().peekable();
         let Left { numbers, pairs: in_order, .. } = left;
@@ -293,6 +299,21 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
                     sink.contacts.write(to, |answer| {
                         verdict =
                             self.solver.measure_parts(self.accuracy, known, sides, solver, answer);
+                        verdict == Verdict::Touching(())
+                    });
+                    verdict
+                }
+                None if of_parts.list_known(number, &mut parts) => {
+                    let mut verdict = Verdict::Apart;
+                    sink.contacts.write(to, |answer| {
+                        let known = &mut parts[..];
+                        verdict = self.solver.measure_compounds(
+                            self.accuracy,
+                            known,
+                            sides,
+                            solver,
+                            answer,
+                        );
                         verdict == Verdict::Touching(())
                     });
                     verdict
@@ -426,7 +447,7 @@ impl<'a> SearchPairs<'a> {
     /// The next pair that is to be searched, in the seat of that number; those before it are answered.
     #[inline(always)]
     fn next<L: Lanes>(&mut self, l: L, seat: usize) -> Option<Seat<'a>> {
-        let ScenePairs { frames, scenes, pairs } = self.objects;
+        let ScenePairs { frames, pairs, .. } = self.objects;
         loop {
             let place = self.place;
             let (&pair, number) = (pairs.get(place)?, *self.numbers.get(place)? as usize);
@@ -435,11 +456,12 @@ impl<'a> SearchPairs<'a> {
             if self.looks_ahead {
                 self.objects.look_ahead(place, self.reads_facets);
             }
-            let side = |k: usize, frame: &'a SimdFrame, object: u32, placed| {
-                let core = &frame.cores().cores()[scenes[k].shape_index(object as usize) as usize];
-                Side { core, blocks: frame.blocks_of(frame.record(object)), placed }
+            let [of_a, of_b] = self.objects.cores(pair);
+            let side = |core, frame: &'a SimdFrame, record: u32, placed| {
+                let blocks = frame.blocks_of(frame.record(record));
+                Side { core, blocks, placed }
             };
-            let sides = [side(0, frames.a, pair.i, a), side(1, frames.b, pair.j, b)];
+            let sides = [side(of_a, frames.a, pair.i, a), side(of_b, frames.b, pair.j, b)];
             if let Some(searched) = SearchedPair::of(sides, self.accuracy) {
                 let accuracy = searched.sharpened(self.accuracy);
                 let mut search = DepthSearch::new(&searched.cloud, accuracy);
@@ -472,7 +494,11 @@ impl<'a> SearchPairs<'a> {
 }
 
 /// The depth of two cuboids, along the axes that may be the least.
-fn depth_of_cuboids(axes: Axes, [a, b]: [PosedShape<'_>; 2], accuracy: Accuracy) -> Option<Depth> {
+pub(crate) fn depth_of_cuboids(
+    axes: Axes,
+    [a, b]: [PosedShape<'_>; 2],
+    accuracy: Accuracy,
+) -> Option<Depth> {
     let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
     let swapped = order::is_swapped(a, b);
     let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));

@@ -2,7 +2,6 @@
 //!
 //! Of each pair the likeliest parts come first; of the others those alone whose boxes are nearer than these.
 
-use super::super::by_parts::part;
 use super::super::closed::{are_cuboids, nearest_features as of_cuboids};
 use super::super::expand::{Expand, Queue};
 use super::super::frame::FramePair;
@@ -11,7 +10,7 @@ use super::super::scene_pairs::ScenePairs;
 use super::of_points::distance_of;
 use crate::closed::{self, distance_of_spheres};
 use crate::distance::DistanceResult;
-use crate::{Accuracy, Distance, PosedShape, Prepared, mesh};
+use crate::{Accuracy, Distance, PosedShape, mesh};
 use dcd_geom::Pair;
 use dcd_simd::{Path, Unfused, dispatch_on};
 use std::ops::Range;
@@ -52,8 +51,6 @@ pub(super) struct ByParts {
 struct Gaps {
     /// By their records.
     pairs: Vec<Pair>,
-    /// Of which of the objects' pairs each is, by its number.
-    numbers: Vec<u32>,
     gaps: Vec<Gap>,
 }
 
@@ -150,24 +147,20 @@ impl ByParts {
 impl Gaps {
     fn clear(&mut self) {
         self.pairs.clear();
-        self.numbers.clear();
         self.gaps.clear();
     }
 
     /// Nothing is known of a pair of parts but how far apart its boxes are.
-    fn push(&mut self, pair: Pair, number: u32, of_boxes: f32) {
+    fn push(&mut self, pair: Pair, of_boxes: f32) {
         self.pairs.push(pair);
-        self.numbers.push(number);
         self.gaps.push(Gap { lower: f64::from(of_boxes), distance: None });
     }
 
     /// Takes the likeliest pair of each question.
     fn take_firsts(&mut self, queue: &Queue) {
         self.clear();
-        for ((question, &pair), &gap) in
-            queue.questions.iter().zip(&queue.first).zip(&queue.gaps[0])
-        {
-            self.push(pair, question.number, gap);
+        for (&pair, &gap) in queue.first.iter().zip(&queue.gaps[0]) {
+            self.push(pair, gap);
         }
     }
 
@@ -180,7 +173,7 @@ impl Gaps {
             let (of_rest, upper) = (begin..question.end as usize, first.upper());
             for (&pair, &gap) in queue.rest[of_rest.clone()].iter().zip(&queue.gaps[1][of_rest]) {
                 if f64::from(gap) <= upper {
-                    self.push(pair, question.number, gap);
+                    self.push(pair, gap);
                 }
             }
             ends.push(self.pairs.len());
@@ -218,7 +211,7 @@ impl PartLanes {
         let frames = objects.frames;
         self.list(frames, all);
         let Self { of_cuboids, cuboids, nearest, others } = self;
-        let Gaps { pairs, numbers, gaps } = all;
+        let Gaps { pairs, gaps } = all;
         of_cuboids::find(path, frames, (&cuboids.pairs, margin), of_cuboids);
         for (&at, found) in cuboids.at.iter().zip(&of_cuboids.found) {
             gaps[at] = match found {
@@ -237,8 +230,7 @@ impl PartLanes {
                 nearest_points::Found::Unknown => gaps[at],
                 nearest_points::Found::Nearest(points) => {
                     let in_f64 = || {
-                        let [(_, a), (_, b)] =
-                            parts_of(objects, objects.pairs[numbers[at] as usize], pairs[at]);
+                        let [a, b] = objects.posed(pairs[at]);
                         distance_of(points, a, b)
                     };
                     let distance = points.distance_in_f32(frames, pairs[at]).or_else(in_f64);
@@ -263,7 +255,7 @@ fn nearest(
     if may_be.clone().next().is_none() {
         return Found::Beyond;
     }
-    let numbers = |records| parts_of(objects, pair, records).map(|(number, _)| number);
+    let numbers = |records| objects.parts(records).map(|(number, _)| number);
     if accuracy == Accuracy::F32
         && let Some(distances) = may_be
             .clone()
@@ -300,14 +292,4 @@ fn least(
     }
     let below = (shortest - lower).next_up();
     Some(Distance { error_bound: least.error_bound.max(below), ..least })
-}
-
-/// Two parts by their records: their numbers, and what they are.
-fn parts_of(objects: ScenePairs<'_>, pair: Pair, records: Pair) -> [(u32, PosedShape<'_>); 2] {
-    let [a, b] = objects.scenes;
-    let side = |scene, frame| Prepared { scene, frame };
-    [
-        part(side(a, objects.frames.a), pair.i, records.i),
-        part(side(b, objects.frames.b), pair.j, records.j),
-    ]
 }
