@@ -1,7 +1,7 @@
 //! Convex parts, each with a place in the compound.
 
 use super::tree::PartTree;
-use crate::{Aabb, Curved, Pose, Shape, ShapeError, Support, SupportMap};
+use crate::{Aabb, Curved, Polytope, Pose, Shape, ShapeError, Support, SupportMap};
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
 
@@ -14,12 +14,20 @@ pub struct Part {
     pub pose: Pose,
     placed: Shape,
     placed_faces: OnceLock<Box<[Option<u32>]>>,
+    reach: f64,
+    /// Whether the faces of the two are listed alike.
+    is_listed_alike: bool,
 }
 
 impl Part {
     /// The shape in the compound's frame: what every answer is given for.
     pub fn placed(&self) -> &Shape {
         &self.placed
+    }
+
+    /// [`Shape::reach`] of the shape as it was given.
+    pub fn reach(&self) -> f64 {
+        self.reach
     }
 
     /// The cylinder or cone that [`Part::placed`] knows by its support map alone, since it was moved.
@@ -34,10 +42,10 @@ impl Part {
     /// listed in another order. `None` of a face that is none of a polytope, or has no such place. All are found at the first
     /// call.
     pub fn placed_face(&self, face: u32) -> Option<u32> {
-        let (own, placed) = (self.shape.as_polytope()?, self.placed.as_polytope()?);
-        if own.kind() == placed.kind() {
+        if self.is_listed_alike {
             return Some(face);
         }
+        let (own, placed) = (self.shape.as_polytope()?, self.placed.as_polytope()?);
         let found = || {
             let (own, placed) = (own.facets(), placed.facets());
             let place = |due: &[u32]| {
@@ -82,7 +90,10 @@ impl Compound {
         }
         let place = |(part, (shape, pose)): (usize, (Shape, Pose))| {
             let placed = placed(part, &shape, &pose)?;
-            Ok(Part { shape, pose, placed, placed_faces: OnceLock::new() })
+            let kind = |shape: &Shape| shape.as_polytope().map(Polytope::kind);
+            let is_listed_alike = kind(&shape).is_some() && kind(&shape) == kind(&placed);
+            let (reach, placed_faces) = (shape.reach(), OnceLock::new());
+            Ok(Part { shape, pose, placed, placed_faces, reach, is_listed_alike })
         };
         let parts = parts.into_iter().enumerate().map(place).collect::<Result<Vec<_>, _>>()?;
         let boxes: Vec<Aabb> = parts.iter().map(|part| part.placed.aabb(&Pose::IDENTITY)).collect();
@@ -186,7 +197,6 @@ impl SupportMap<f64> for Moved {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Polytope;
     use glam::DQuat;
 
     fn at(x: f64) -> Pose {

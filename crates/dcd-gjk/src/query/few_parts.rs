@@ -172,7 +172,7 @@ impl<'a> Placed<'a> {
 pub(super) fn place(whole: &Pose, part: &Part) -> Option<(Pose, f64)> {
     let turned = *whole.rotation() * *part.pose.rotation();
     let pose = Pose::from_matrix(turned, whole.apply(part.pose.translation())).ok()?;
-    let reach = part.shape.reach();
+    let reach = part.reach();
     let size = reach + part.pose.translation().length() + pose.translation().length();
     // Of a curved part that was moved the support map is what answers are given for.
     let moved = PLACED * UNIT * size + 2.0 * part.placed().support_error();
@@ -181,7 +181,7 @@ pub(super) fn place(whole: &Pose, part: &Part) -> Option<(Pose, f64)> {
 
 /// How far a part may be from where its compound has it, in the compound's frame. `None` where that is too far.
 pub(super) fn moved_in_frame(part: &Part) -> Option<f64> {
-    let reach = part.shape.reach();
+    let reach = part.reach();
     let size = reach + part.pose.translation().length();
     // Of a curved part that was moved the support map is what answers are given for.
     let moved = IN_FRAME * UNIT * size + 2.0 * part.placed().support_error();

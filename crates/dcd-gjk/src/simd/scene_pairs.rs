@@ -53,6 +53,16 @@ impl<'a> ScenePairs<'a> {
         [of_a.core_of(a, pair.i), of_b.core_of(b, pair.j)]
     }
 
+    /// The numbers of two parts in their compounds.
+    #[inline(always)]
+    pub(super) fn part_numbers(&self, records: Pair) -> [u32; 2] {
+        let ([a, b], FramePair { a: of_a, b: of_b }) = (self.scenes, self.frames);
+        let number = |frame: &SimdFrame, scene, record| {
+            frame.part_of(scene, record).map_or(0, |(_, core)| core.part)
+        };
+        [number(of_a, a, records.i), number(of_b, b, records.j)]
+    }
+
     /// Two parts by their records: see [`part`].
     pub(super) fn parts(&self, records: Pair) -> [(u32, PosedShape<'a>); 2] {
         let ([a, b], FramePair { a: of_a, b: of_b }) = (self.scenes, self.frames);
@@ -140,6 +150,19 @@ impl<'a> ScenePairs<'a> {
         }
     }
 
+    /// Prefetches parts of a pair's compounds. Reads where they are: what waits for that is behind it.
+    pub(super) fn look_ahead_to_compounds(
+        &self,
+        pair: Pair,
+        parts: impl Iterator<Item = [u32; 2]>,
+    ) {
+        let [a, b] = self.posed(pair).map(|side| side.shape);
+        for part in parts.take(PARTS) {
+            prefetch_part(a, part[0]);
+            prefetch_part(b, part[1]);
+        }
+    }
+
     /// Prefetches what the measure of a pair's parts reads of meshes.
     #[inline(always)]
     pub(super) fn look_ahead_to_parts(&self, pair: Pair, parts: &[[u32; 2]]) {
@@ -202,6 +225,19 @@ fn prefetch_triangles(scene: &Scene, object: u32, triangles: impl Iterator<Item 
                 prefetch(slice::from_ref(&mesh.vertices()[corner as usize]));
             }
         }
+    }
+}
+
+/// How many pairs of parts are prefetched for a pair. No effect on any result.
+const PARTS: usize = 8;
+
+/// Prefetches a part of a compound.
+#[inline(always)]
+fn prefetch_part(shape: &Shape, number: u32) {
+    if let Shape::Compound(compound) = shape
+        && let Some(part) = compound.parts().get(number as usize)
+    {
+        prefetch(slice::from_ref(part));
     }
 }
 

@@ -26,16 +26,25 @@ const UNIT: f64 = f64::EPSILON / 2.0;
 pub(in crate::query) struct Framed<'a> {
     shapes: [&'a Shape; 2],
     poses: [Pose; 2],
-    /// Where the frame is; `None` of the world.
-    frame: Option<Pose>,
+    frame: Frame,
     /// By how much more a distance or a depth may be off than in the frame: metres.
     lost: f64,
+}
+
+/// Whose frame two shapes are seen in.
+enum Frame {
+    World,
+    /// That of a compound at this pose.
+    Own(Pose),
+    /// The world's axes, round this place.
+    Round(DVec3),
 }
 
 impl<'a> Framed<'a> {
     pub(in crate::query) fn of([a, b]: [PosedShape<'a>; 2]) -> Self {
         let shapes = [a.shape, b.shape];
-        let in_world = || Self { shapes, poses: [*a.pose, *b.pose], frame: None, lost: 0.0 };
+        let in_world =
+            || Self { shapes, poses: [*a.pose, *b.pose], frame: Frame::World, lost: 0.0 };
         if !matches!(a.shape, Shape::Compound(_)) || !(a.pose.deviation() <= TURNED) {
             return in_world();
         }
@@ -55,7 +64,7 @@ impl<'a> Framed<'a> {
         };
         let size = a.shape.reach() + extent + place.length();
         let lost = (SEEN * UNIT + TILTED * tilt(a.pose.rotation())) * size;
-        Self { shapes, poses: [Pose::IDENTITY, seen], frame: Some(*a.pose), lost }
+        Self { shapes, poses: [Pose::IDENTITY, seen], frame: Frame::Own(*a.pose), lost }
     }
 
     /// Two shapes in the world's axes, round the first one's origin.
@@ -63,7 +72,7 @@ impl<'a> Framed<'a> {
         let place = b.pose.translation() - a.pose.translation();
         let poses =
             [a.pose.with_translation(DVec3::ZERO).ok()?, b.pose.with_translation(place).ok()?];
-        let frame = Some(Pose::from_translation(a.pose.translation()).ok()?);
+        let frame = Frame::Round(a.pose.translation());
         let lost = 2.0 * UNIT * place.length();
         Some(Self { shapes: [a.shape, b.shape], poses, frame, lost })
     }
@@ -75,7 +84,7 @@ impl<'a> Framed<'a> {
 
     /// Whether the first is in its own frame.
     pub(super) fn is_own(&self) -> bool {
-        self.frame.is_some()
+        matches!(self.frame, Frame::Own(_))
     }
 
     pub(in crate::query) fn lost(&self) -> f64 {
@@ -85,25 +94,36 @@ impl<'a> Framed<'a> {
     /// A normal of the frame, in the world: of unit length, also where poses are hardly rotations.
     #[inline]
     pub(in crate::query) fn turned(&self, normal: DVec3) -> DVec3 {
-        let turned = self.frame.as_ref().map_or(normal, |pose| *pose.rotation() * normal);
+        let turned = match &self.frame {
+            Frame::Own(pose) => *pose.rotation() * normal,
+            Frame::World | Frame::Round(_) => normal,
+        };
         turned.normalize_or(turned)
     }
 
     /// A point of the frame, in the world.
     #[inline]
     pub(in crate::query) fn placed(&self, point: DVec3) -> DVec3 {
-        self.frame.as_ref().map_or(point, |pose| pose.apply(point))
+        match &self.frame {
+            Frame::World => point,
+            Frame::Own(pose) => pose.apply(point),
+            Frame::Round(place) => point + *place,
+        }
     }
 
     /// What a point of the world may be off beside one of the frame: metres.
     pub(in crate::query) fn rounded(&self) -> f64 {
-        let far = |pose: &Pose| pose.translation().length() + self.shapes[0].reach();
-        self.frame.as_ref().map_or(0.0, |pose| 8.0 * f64::EPSILON * far(pose))
+        let far = match &self.frame {
+            Frame::World => return 0.0,
+            Frame::Own(pose) => pose.translation(),
+            Frame::Round(place) => *place,
+        };
+        8.0 * f64::EPSILON * (far.length() + self.shapes[0].reach())
     }
 
     /// A depth of the world, seen round the first shape's origin: [`Framed::round_first`].
     pub(super) fn seen(&self, found: Depth) -> Depth {
-        let from = self.frame.as_ref().map_or(DVec3::ZERO, Pose::translation);
+        let Frame::Round(from) = self.frame else { return found };
         Depth { point_a: found.point_a - from, point_b: found.point_b - from, ..found }
     }
 

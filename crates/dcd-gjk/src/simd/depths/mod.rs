@@ -303,7 +303,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
                     });
                     verdict
                 }
-                None if of_parts.list_known(number, &mut parts) => {
+                None if of_parts.list_known(objects, number, &mut parts) => {
                     let mut verdict = Verdict::Apart;
                     sink.contacts.write(to, |answer| {
                         let known = &mut parts[..];

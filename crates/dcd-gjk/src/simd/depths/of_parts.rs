@@ -118,18 +118,32 @@ impl OfParts {
                         Found::Searched(searched.len() - 1)
                     }
                 };
-                Parts { numbers: objects.parts(records).map(|(number, _)| number), found }
+                Parts { numbers: objects.part_numbers(records), found }
             }));
             questions.push((place, first..parts.len()));
         }
     }
 
+    /// Prefetches the parts of the pair behind the one that was listed last.
+    fn look_ahead(&self, objects: ScenePairs<'_>, place: usize) {
+        if let Some((number, parts)) = self.questions.get(place + 1) {
+            let numbers = self.parts[parts.clone()].iter().map(|part| part.numbers);
+            objects.look_ahead_to_compounds(objects.pairs[*number as usize], numbers);
+        }
+    }
+
     /// Lists what is known of the parts of the pair of that number among those that touch; false, and nothing listed, of one that
     /// was not judged by its parts.
-    pub(super) fn list_known<'k>(&'k self, number: u32, known: &mut Vec<PartContact<'k>>) -> bool {
+    pub(super) fn list_known<'k>(
+        &'k self,
+        objects: ScenePairs<'_>,
+        number: u32,
+        known: &mut Vec<PartContact<'k>>,
+    ) -> bool {
         let Ok(place) = self.questions.binary_search_by_key(&number, |question| question.0) else {
             return false;
         };
+        self.look_ahead(objects, place);
         known.clear();
         known.extend(self.parts[self.questions[place].1.clone()].iter().map(|part| {
             let found = match part.found {

@@ -255,7 +255,7 @@ fn nearest(
     if may_be.clone().next().is_none() {
         return Found::Beyond;
     }
-    let numbers = |records| objects.parts(records).map(|(number, _)| number);
+    let numbers = |records| objects.part_numbers(records);
     if accuracy == Accuracy::F32
         && let Some(distances) = may_be
             .clone()
