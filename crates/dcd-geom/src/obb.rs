@@ -68,6 +68,25 @@ impl ObbBounds {
         self.inner == self.outer
     }
 
+    /// An OBB round points that are all within that distance of a place, and where its middle is; none is inside.
+    pub(crate) fn round(points: &[DVec3], near: DVec3, radius: f64) -> Option<(DVec3, Self)> {
+        let fit = |axes: DMat3| {
+            let to_axes = axes.transpose();
+            let along = points.iter().map(|&p| to_axes * (p - near));
+            let ends = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            let (low, high) = along.fold(ends, |(low, high), p| (low.min(p), high.max(p)));
+            (axes, (low + high) / 2.0, (high - low) / 2.0)
+        };
+        let (axes, middle, half) = [DMat3::IDENTITY, principal_axes(points, near)]
+            .map(fit)
+            .into_iter()
+            .min_by(|a, b| surface_area(a.2).total_cmp(&surface_area(b.2)))?;
+        let centre = near + axes * middle;
+        let outer = half + MARGIN * (radius + near.abs().max_element());
+        let is_finite = outer.is_finite() && centre.is_finite();
+        is_finite.then_some((centre, Self { axes, outer, inner: DVec3::ZERO }))
+    }
+
     /// The bounds of the hull of these points, round the centre of that sphere inside it; `None` where the hull
     /// is too round to gain, or its size overflows.
     pub(crate) fn of_hull(points: &[DVec3], inside: Sphere, outer_radius: f64) -> Option<Self> {

@@ -4,7 +4,7 @@ use super::adjacency::Adjacency;
 use super::tree::PartTree;
 use crate::error::check_length;
 use crate::sphere::reach;
-use crate::{Aabb, ShapeError};
+use crate::{Aabb, ObbBounds, ShapeError};
 use dcd_simd::{Block, WIDTH};
 use glam::DVec3;
 use std::sync::OnceLock;
@@ -148,6 +148,13 @@ impl Mesh {
     /// The points as the lanes read them, for the mesh's AABB.
     pub fn all_corners(&self) -> &Corners {
         &self.all_corners
+    }
+
+    /// An OBB round all corners, in the mesh's frame, and where its middle is; `None` where lengths overflow. Nothing is inside the
+    /// mesh. Computed at every call.
+    pub fn obb(&self) -> Option<(DVec3, ObbBounds)> {
+        let Corners { centre, radius, .. } = self.all_corners;
+        ObbBounds::round(&self.points, centre, radius)
     }
 
     /// The tree over the triangles, the swept radius not counted.

@@ -4,7 +4,8 @@ use super::inscribed::Inscribed;
 use crate::query::case_of;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::{
-    Compound, Curved, Kind, ObbBounds, Part, Polytope, Pose, Revision, Scene, Shape, SupportMap,
+    Compound, Corners, Curved, Kind, Mesh, ObbBounds, Part, Polytope, Pose, Revision, Scene, Shape,
+    SupportMap,
 };
 use dcd_simd::{Block, WIDTH};
 
@@ -76,7 +77,7 @@ pub(crate) struct ObbBoundsF32 {
     pub(crate) axes: [Vec3; 3],
     /// Half the edges of the outer box, rounded up.
     pub(crate) outer: Vec3,
-    /// Half the edges of the inner box, rounded down.
+    /// Half the edges of the inner box, rounded down; less than nothing of a mesh, which holds none.
     pub(crate) inner: Vec3,
     /// Of a cuboid how its half edges compare: see [`case_of`]. [`UNKNOWN_CASE`] where that does not tell, and for others.
     pub(crate) case: f32,
@@ -168,8 +169,20 @@ impl Cores {
             Shape::Ellipsoid(ellipsoid) => {
                 self.of_inscribed(&Inscribed::of_ellipsoid(ellipsoid), shape)
             }
+            Shape::Mesh(mesh) => Self::of_mesh(mesh),
             _ => (Core::default(), None),
         }
+    }
+
+    /// A surface, of which the lanes know no more than a box round it.
+    fn of_mesh(mesh: &Mesh) -> (Core, Option<ObbBoundsF32>) {
+        let Some((centre, obb)) = mesh.obb() else { return (Core::default(), None) };
+        let Corners { centre: near, radius, .. } = mesh.all_corners();
+        // At most the way from one centre to the other more, and what both are rounded by.
+        let outer = (radius + near.distance(centre)) * (1.0 + 1e-9) + MOVED * mesh.reach();
+        let (reach, radius) = (mesh.reach(), mesh.swept_radius());
+        let core = Core { centre, outer, reach, radius, has_obb: true, ..Core::default() };
+        (core, Some(ObbBoundsF32 { inner: Vec3::NEG_INFINITY, ..ObbBoundsF32::of(&obb) }))
     }
 
     /// The cores of a compound's parts, neighbours beside each other: in the order of its tree.

@@ -1,5 +1,6 @@
 //! A slice of pairs on its way through the stages.
 
+mod masks;
 mod measured;
 mod stages;
 
@@ -9,7 +10,7 @@ use super::by_parts;
 use super::certificate::{ErrorBounds, KeptProof};
 use super::expand;
 use super::first_stages::{self, Entry, Place, Resolved};
-use super::frame::{AXIS_ALIGNED, BOX, FramePair, SimdFrame};
+use super::frame::{AXIS_ALIGNED, BOX, FramePair, LIVE, SimdFrame};
 use super::kept_proofs::KeptProofs;
 use super::kind_order::KindOrder;
 use super::nearest_points::Found;
@@ -28,6 +29,7 @@ use crate::{Method, PosedShape, Prepared, Report, Verdict, certified, mesh};
 use dcd_geom::Pair;
 use dcd_geom::glam::Vec3;
 use dcd_simd::{Block, Kernel, Lanes, Path, WIDTH, dispatch_on};
+use masks::{are_alike, count, mark, marked, scatter, used};
 use measured::Measured;
 use stages::Stage;
 use std::marker::PhantomData;
@@ -295,7 +297,12 @@ impl<T: ErrorBounds> Decide<'_, T> {
             T::HANDS_ON && T::KEEPS != KeptProof::Clearance && entry.marks & AXIS_ALIGNED != 0;
         let upright =
             if closed { marked(self.frames, &entry.packet, open, AXIS_ALIGNED) } else { 0 };
-        let to_boxes = open & entry.boxed & !(upright | to_formulas);
+        // Of meshes the boxes are worth while where neither object is far larger: a terrain's hold all that is near it.
+        let alone = match T::HANDS_ON && T::KEEPS == KeptProof::Nothing && entry.boxed_alone != 0 {
+            true => are_alike(self.frames, &entry.packet, entry.boxed_alone),
+            false => 0,
+        };
+        let to_boxes = open & entry.boxed & !(upright | to_formulas) | alone;
         let to_left = used(pairs.len()) & !(spheres.all() | to_boxes | to_axis | to_formulas);
         for lane in LanesOf(to_left) {
             left.push(Left { number: entry.packet.number.0[lane], axes: [Vec3::ZERO; 2] });
@@ -325,6 +332,11 @@ impl<T: ErrorBounds> Decide<'_, T> {
             // A round or a hull between its boxes is not them.
             (true, true) => marked(self.frames, packet, open & aligned, BOX),
             (true, false) => 0,
+        };
+        // No stage but this knows a mesh.
+        let handed_on = match T::HANDS_ON && self.frames.have_parts() {
+            true => handed_on | open & !marked(self.frames, packet, open, LIVE),
+            false => handed_on,
         };
         for lane in LanesOf(handed_on) {
             // The closed form of boxes needs no axis.
@@ -442,45 +454,4 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let round = self.scratch.packet.number(l, Number::Round);
         (proved, proved & l.bits(l.le(l.splat(WIDENING), round)))
     }
-}
-
-/// Of these lanes those whose objects are both marked so.
-#[inline(always)]
-fn marked(frames: FramePair<'_>, packet: &PairPacket, lanes: u32, mark: u8) -> u32 {
-    let mut marked = 0;
-    for lane in LanesOf(lanes) {
-        let (a, b) = (frames.a.record(packet.a.0[lane]), frames.b.record(packet.b.0[lane]));
-        marked |= u32::from(a.marks & b.marks & mark != 0) << lane;
-    }
-    marked
-}
-
-/// The mask of that many lanes.
-#[inline(always)]
-fn used(lanes: usize) -> u32 {
-    (1 << lanes) - 1
-}
-
-/// Writes which of a group of pairs touch; every entry is written, so that none is a branch.
-#[inline(always)]
-fn mark(touching: &mut [bool], bits: u32) {
-    for (lane, touches) in touching.iter_mut().take(WIDTH).enumerate() {
-        *touches = bits >> lane & 1 == 1;
-    }
-}
-
-/// Writes which pairs of a packet touch, without a branch; what was known of the others stays. Out of line: in every
-/// stage it would be a tenth of the kernel.
-#[inline(never)]
-fn scatter(touching: &mut [bool], packet: &PairPacket, bits: u32) {
-    for lane in 0..WIDTH {
-        if let Some(touches) = touching.get_mut(packet.number.0[lane] as usize) {
-            *touches |= bits >> lane & 1 == 1;
-        }
-    }
-}
-
-#[inline(always)]
-fn count(bits: u32) -> u64 {
-    bits.count_ones().into()
 }

@@ -68,6 +68,8 @@ pub(super) struct Entry {
     pub(super) live: u32,
     /// Those whose objects both have boxes.
     pub(super) boxed: u32,
+    /// Those of them that are not judged otherwise: one is a mesh, of which nothing is known but a box.
+    pub(super) boxed_alone: u32,
     /// What both objects of some pair are marked as.
     pub(super) marks: u8,
 }
@@ -81,7 +83,7 @@ impl Entry {
         pairs: &[Pair],
         first: u32,
     ) {
-        (self.live, self.boxed, self.marks) = (0, 0, 0);
+        (self.live, self.boxed, self.boxed_alone, self.marks) = (0, 0, 0, 0);
         let packet = &mut self.packet;
         for (k, pair) in pairs.iter().enumerate() {
             let (a, b) = (frames.a.record(pair.i), frames.b.record(pair.j));
@@ -103,6 +105,7 @@ impl Entry {
             let both = a.marks & b.marks;
             self.live |= u32::from(both & T::JUDGED != 0) << k;
             self.boxed |= u32::from(both & HAS_OBB != 0) << k;
+            self.boxed_alone |= u32::from(both & (HAS_OBB | T::JUDGED) == HAS_OBB) << k;
             self.marks |= both;
         }
     }
@@ -122,6 +125,7 @@ impl Entry {
         let in_range = l.and(l.lt(l.splat(SIZE.start), size), l.lt(size, l.splat(SIZE.end)));
         let live = l.and(l.mask(self.live), in_range);
         self.live = l.bits(live);
+        self.boxed_alone &= l.bits(in_range);
         let unit = l.mul(size, l.splat(U));
         packet.set_number(l, Number::Unit, unit);
 

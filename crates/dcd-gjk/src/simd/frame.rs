@@ -227,6 +227,12 @@ impl<'a> FramePair<'a> {
         self.a.has_straight_cores || self.b.has_straight_cores
     }
 
+    /// Whether any object is made of parts.
+    #[inline(always)]
+    pub(super) fn have_parts(self) -> bool {
+        self.a.has_parts || self.b.has_parts
+    }
+
     /// Whether the lanes know the parts of any object.
     pub(super) fn have_compounds(self) -> bool {
         self.a.has_compounds() || self.b.has_compounds()

@@ -215,7 +215,9 @@ pub(super) fn turn(obb: &ObbBoundsF32, record: &Record, pose: &Pose) -> ObbRecor
         numbers.0[3 * axis..][..3].copy_from_slice(&edge.as_vec3().to_array());
         let outer = f64::from(obb.outer[axis]) + margin + f64::from(record.radius);
         numbers.0[9 + axis] = above(outer);
-        numbers.0[12 + axis] = below((f64::from(obb.inner[axis]) - margin).max(0.0));
+        let inner = f64::from(obb.inner[axis]);
+        let shrunk = below((inner - margin).max(0.0));
+        numbers.0[12 + axis] = if inner < 0.0 { f32::NEG_INFINITY } else { shrunk };
     }
     numbers.0[15] = obb.case;
     ObbRecord { numbers }
