@@ -77,7 +77,8 @@ impl ObbBounds {
             let (low, high) = along.fold(ends, |(low, high), p| (low.min(p), high.max(p)));
             (axes, (low + high) / 2.0, (high - low) / 2.0)
         };
-        let (axes, middle, half) = [DMat3::IDENTITY, principal_axes(points, near)]
+        let mean = points.iter().map(|&p| (p - near) / points.len() as f64).sum::<DVec3>() + near;
+        let (axes, middle, half) = [DMat3::IDENTITY, principal_axes(points, mean)]
             .map(fit)
             .into_iter()
             .min_by(|a, b| surface_area(a.2).total_cmp(&surface_area(b.2)))?;
@@ -233,6 +234,30 @@ mod tests {
                 let corner = reference.inner * DVec3::new(sign(0), sign(1), sign(2));
                 assert!(is_inside(&points, inside.centre + reference.axes * corner), "{size} {k}");
             }
+        }
+    }
+
+    #[test]
+    fn a_box_round_points_holds_them_wherever_they_are_and_fits_a_turned_box() {
+        let turn = DMat3::from_rotation_z(0.4) * DMat3::from_rotation_x(1.1);
+        for (size, far) in [
+            (DVec3::new(1.0, 0.4, 3.0), 0.0),
+            (DVec3::new(1.0, 0.5, 0.0), 10.0),
+            (DVec3::new(5.0, 0.0, 0.0), 1e6),
+            (DVec3::ZERO, 1.0),
+        ] {
+            let place = DVec3::new(far, -far, 0.5 * far);
+            let points: Vec<DVec3> =
+                cloud(400, size, turn).into_iter().map(|p| p + place).collect();
+            let (near, radius) = (place + 0.1 * size, 2.0 * size.length());
+            let (centre, obb) = ObbBounds::round(&points, near, radius).unwrap();
+            for &p in &points {
+                let local = (obb.axes.transpose() * (p - centre)).abs();
+                assert!(local.cmple(obb.outer).all(), "{size} {far}: {local} {obb:?}");
+            }
+            // A cloud's principal axes are nearly those of its box.
+            let [area, own] = [surface_area(obb.outer), surface_area(0.5 * size)];
+            assert!(area <= 1.3 * own + 1e-5, "{size} {far}: {area} {own}");
         }
     }
 

@@ -9,6 +9,7 @@ mod hardly_touching;
 mod lane_depths;
 mod manifold_points;
 mod manifolds;
+mod mesh_boxes;
 mod nearest_parts;
 mod patches;
 mod proximity;

@@ -251,6 +251,73 @@ fn deepest(scene: &Scene, pair: Pair) -> Option<[f64; 2]> {
     Some(most)
 }
 
+/// How many objects of that scene follow one before one of the same shape.
+const APART: usize = 12;
+
+/// Depths and manifolds of a scene whose pairs are all looked at: the same on every path, and with a and b exchanged. How many.
+fn check_depths(scenes: &[Scene; 2], accuracy: Accuracy, said: &str) -> usize {
+    let (objects, pairs) = (scenes[0].len() as u32, all_pairs(scenes[0].len() as u32));
+    let mirrored = |pair: Pair| Pair::new(objects - 1 - pair.j, objects - 1 - pair.i);
+    let depths = SimdDepths::new(Depths, accuracy);
+    let manifolds = SimdDepths::new(Manifolds::default(), accuracy);
+    let [ones, others] = scenes.each_ref().map(|scene| found(&depths, scene, &pairs).0);
+    let [sets, exchanged] = scenes.each_ref().map(|scene| found(&manifolds, scene, &pairs).0);
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        let depths = SimdDepths::on(path, Depths, accuracy);
+        assert_eq!(found(&depths, &scenes[0], &pairs).0, ones, "{said} {path:?}");
+        let manifolds = SimdDepths::on(path, Manifolds::default(), accuracy);
+        assert_eq!(found(&manifolds, &scenes[0], &pairs).0, sets, "{said} {path:?}");
+    }
+    assert_eq!((ones.len(), sets.len(), sets.len()), (others.len(), ones.len(), exchanged.len()));
+    for (one, set) in ones.iter().zip(&sets) {
+        // Two that are one shape at one pose have no order.
+        let [a, b] = [one.pair.i, one.pair.j].map(|k| k as usize);
+        if b == a + APART && scenes[0].poses()[a] == scenes[0].poses()[b] {
+            continue;
+        }
+        let pair = mirrored(one.pair);
+        let other = others.iter().find(|other| other.pair == pair).unwrap().answer;
+        let (one, said) = (one.answer, format!("{said} {:?}", one.pair));
+        assert_eq!((one.depth, one.error_bound), (other.depth, other.error_bound), "{said}");
+        assert_eq!((one.point_a, one.normal), (other.point_b, -other.normal), "{said}");
+        let other = &exchanged.iter().find(|other| other.pair == pair).unwrap().answer;
+        assert_eq!(set.answer.len(), other.len(), "{said}");
+        for (one, other) in set.answer.iter().zip(other.iter()) {
+            assert_eq!((one.normal, one.error_bound), (-other.normal, other.error_bound), "{said}");
+            assert_eq!(one.parts, [other.parts[1], other.parts[0]], "{said}");
+            assert_eq!(one.points().len(), other.points().len(), "{said}");
+            for (one, other) in one.points().iter().zip(other.points()) {
+                assert_eq!((one.point_a, one.depth), (other.point_b, other.depth), "{said}");
+                assert_eq!(one.features, [other.features[1], other.features[0]], "{said}");
+            }
+        }
+    }
+    ones.len()
+}
+
+#[test]
+fn depths_and_manifolds_of_compounds_are_one_on_every_path_and_in_both_orders() {
+    let mut draw = Draw::seeded(35);
+    let mut measured = 0;
+    for round in 0..6 {
+        let (is_lattice, most) = (round % 3 == 0, [4.0, 60.0][round % 2]);
+        let mut shapes: Vec<_> =
+            compounds(&mut draw, is_lattice, most).into_iter().take(APART).collect();
+        // The same again: equal parts meet, and some at one pose.
+        shapes.extend_from_within(..4);
+        let objects =
+            (0..shapes.len() as u32).map(|k| Object::new(k, pose(&mut draw, is_lattice, 0.8)));
+        let mut objects: Vec<_> = objects.collect();
+        objects[APART] = Object::new(APART as u32, objects[0].pose);
+        objects[APART + 1] = Object::new(APART as u32 + 1, objects[2].pose);
+        let scenes = in_both_orders(shapes, objects);
+        for accuracy in ACCURACIES {
+            measured += check_depths(&scenes, accuracy, &format!("round {round} {accuracy:?}"));
+        }
+    }
+    assert!(measured > 300, "{measured}");
+}
+
 #[test]
 fn compounds_are_as_deep_as_their_deepest_parts() {
     let mut draw = Draw::seeded(33);
