@@ -22,8 +22,8 @@ use dcd_geom::{Kind, Part, Polytope, Pose, Shape, SupportMap};
 pub(super) use framed::Framed;
 use slab::Slab;
 use std::cell::OnceCell;
-pub(crate) use touching::FoundParts;
 pub use touching::PartContact;
+pub(crate) use touching::{FoundParts, PartSpheres};
 pub(super) use touching::{TouchingParts, depth_of_known, wholes_in_order};
 
 /// The most parts of one shape, those of two make 1,024 pairs, each of which takes a comparison of spheres. More: the tree over them

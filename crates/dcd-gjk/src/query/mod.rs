@@ -61,7 +61,7 @@ pub(crate) use distances::{
     distance_at_once, distance_of_mesh_within, spheres_are_apart, within_margin,
 };
 pub use few_parts::PartContact;
-pub(crate) use few_parts::{FoundParts, may_be_nearest};
+pub(crate) use few_parts::{FoundParts, PartSpheres, may_be_nearest};
 pub(crate) use manifold::{FACING, LEVEL, case_of};
 pub(crate) use within::grown;
 

@@ -25,8 +25,8 @@ pub(super) struct Start {
 pub(super) struct Compounds {
     /// One for each object and one behind the last; none at all in a scene without compounds.
     starts: Vec<Start>,
-    /// For each part the object that it is of.
-    owners: Vec<u32>,
+    /// For each part the object that it is of, and its number in the compound.
+    owners: Vec<(u32, u32)>,
     /// The parts' boxes in the world, sixteen a group, each group of one object.
     groups: Vec<Aabb16>,
     /// For each group the box round it.
@@ -78,9 +78,9 @@ impl Compounds {
         for (object, &shape) in (0..).zip(scene.shape_of()) {
             self.starts.push(self.end(records, block));
             let of = parts(shape);
-            self.owners.resize(self.owners.len() + of.parts as usize, object);
             let own = &all_cores.parts()[of.first_part as usize..][..of.parts as usize];
             for part in own {
+                self.owners.push((object, part.part));
                 let (record, next) = laid_out(part, block);
                 records.push(record);
                 block = next;
@@ -125,11 +125,16 @@ impl Compounds {
         (start != end).then_some(members)
     }
 
-    /// The object that a part is of, and its number among the parts of that; `None` of an object's own record.
+    /// The object that a part is of, and its number in the compound; `None` of an object's own record.
+    #[inline(always)]
     pub(super) fn owner_of(&self, record: u32) -> Option<(u32, u32)> {
         let number = record.checked_sub(self.starts.first()?.record)?;
-        let object = *self.owners.get(number as usize)?;
-        Some((object, record - self.starts[object as usize].record))
+        self.owners.get(number as usize).copied()
+    }
+
+    /// A part's place among those of the object that it is of.
+    pub(super) fn place_of(&self, object: u32, record: u32) -> u32 {
+        record - self.starts[object as usize].record
     }
 }
 

@@ -356,19 +356,22 @@ impl SimdFrame {
         self.record(object).marks & LIVE != 0
     }
 
-    /// The object that a record is of, and the core of the part that it is of a compound: of that object's shape.
-    pub(super) fn part_of(&self, scene: &Scene, record: u32) -> Option<(u32, &Core)> {
-        let (object, place) = self.compounds.owner_of(record)?;
-        let whole = &self.cores.cores()[scene.shape_index(object as usize) as usize];
-        Some((object, &self.cores.parts()[(whole.first_part + place) as usize]))
+    /// The object that a part is of, and its number in the compound; `None` of an object's own record.
+    #[inline(always)]
+    pub(super) fn owner_of(&self, record: u32) -> Option<(u32, u32)> {
+        self.compounds.owner_of(record)
     }
 
     /// The core of an object or of a part.
     #[inline(always)]
     pub(super) fn core_of(&self, scene: &Scene, record: u32) -> &Core {
-        match self.part_of(scene, record) {
-            Some((_, part)) => part,
-            None => &self.cores.cores()[scene.shape_index(record as usize) as usize],
+        let whole = |object: u32| &self.cores.cores()[scene.shape_index(object as usize) as usize];
+        match self.owner_of(record) {
+            Some((object, _)) => {
+                let place = self.compounds.place_of(object, record);
+                &self.cores.parts()[(whole(object).first_part + place) as usize]
+            }
+            None => whole(record),
         }
     }
 

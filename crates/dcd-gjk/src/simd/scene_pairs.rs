@@ -56,11 +56,10 @@ impl<'a> ScenePairs<'a> {
     /// The numbers of two parts in their compounds.
     #[inline(always)]
     pub(super) fn part_numbers(&self, records: Pair) -> [u32; 2] {
-        let ([a, b], FramePair { a: of_a, b: of_b }) = (self.scenes, self.frames);
-        let number = |frame: &SimdFrame, scene, record| {
-            frame.part_of(scene, record).map_or(0, |(_, core)| core.part)
-        };
-        [number(of_a, a, records.i), number(of_b, b, records.j)]
+        let FramePair { a, b } = self.frames;
+        let number =
+            |frame: &SimdFrame, record| frame.owner_of(record).map_or(0, |(_, number)| number);
+        [number(a, records.i), number(b, records.j)]
     }
 
     /// Two parts by their records: see [`part`].
@@ -156,10 +155,14 @@ impl<'a> ScenePairs<'a> {
         pair: Pair,
         parts: impl Iterator<Item = [u32; 2]>,
     ) {
-        let [a, b] = self.posed(pair).map(|side| side.shape);
-        for part in parts.take(PARTS) {
-            prefetch_part(a, part[0]);
-            prefetch_part(b, part[1]);
+        let of_parts = |side: PosedShape<'a>| match side.shape {
+            Shape::Compound(compound) => compound.parts(),
+            _ => &[],
+        };
+        let [of_a, of_b] = self.posed(pair).map(of_parts);
+        for [j, k] in parts.take(PARTS) {
+            prefetch(of_a.get(j as usize..=j as usize).unwrap_or_default());
+            prefetch(of_b.get(k as usize..=k as usize).unwrap_or_default());
         }
     }
 
@@ -185,17 +188,12 @@ fn posed<'a>(frame: &'a SimdFrame, scene: &'a Scene, record: u32) -> PosedShape<
 /// object, its only part.
 #[inline(never)]
 pub(super) fn part<'a>(frame: &SimdFrame, scene: &'a Scene, record: u32) -> (u32, PosedShape<'a>) {
-    let Some((object, core)) = frame.part_of(scene, record) else {
+    let Some((object, number)) = frame.owner_of(record) else {
         return (0, PosedShape::of(scene, record));
     };
     let whole = PosedShape::of(scene, object);
-    match whole.shape {
-        Shape::Compound(compound) => (
-            core.part,
-            PosedShape { shape: compound.parts()[core.part as usize].placed(), ..whole },
-        ),
-        _ => (0, whole),
-    }
+    let Shape::Compound(compound) = whole.shape else { return (0, whole) };
+    (number, PosedShape { shape: compound.parts()[number as usize].placed(), ..whole })
 }
 
 /// The shape of an object; `None` of a part, of which nothing is prefetched.
@@ -230,16 +228,6 @@ fn prefetch_triangles(scene: &Scene, object: u32, triangles: impl Iterator<Item 
 
 /// How many pairs of parts are prefetched for a pair. No effect on any result.
 const PARTS: usize = 8;
-
-/// Prefetches a part of a compound.
-#[inline(always)]
-fn prefetch_part(shape: &Shape, number: u32) {
-    if let Shape::Compound(compound) = shape
-        && let Some(part) = compound.parts().get(number as usize)
-    {
-        prefetch(slice::from_ref(part));
-    }
-}
 
 /// Prefetches an object's pose, its core, and where its polytope is.
 #[inline(always)]

@@ -15,7 +15,19 @@ use dcd_geom::{Pose, Shape};
 pub struct PartContact<'a> {
     /// Which part of a, and which of b; 0 of a convex shape, its own only part.
     pub(crate) parts: [u32; 2],
+    pub(crate) spheres: PartSpheres,
     pub(crate) found: FoundParts<'a>,
+}
+
+/// Spheres in two parts and round them, as they are placed: what rounding loses is counted. Metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PartSpheres {
+    /// From the centre of a's to that of b's.
+    pub(crate) between: DVec3,
+    /// The sum of the radii of those in the parts.
+    pub(crate) inner: f64,
+    /// The same of those round them.
+    pub(crate) outer: f64,
 }
 
 /// What the lanes found of two parts, from a to b.
@@ -201,20 +213,12 @@ impl<'a> TouchingParts<'a> {
         }
     }
 
-    /// At least how deep the spheres round two parts let them be, metres.
-    fn at_most(&self, number: usize) -> Option<f64> {
-        let ([a, b], moved) = self.posed(self.pair(number))?;
-        let sphere = |side: PosedShape<'_>| match side.shape {
-            Shape::Polytope(polytope) => {
-                (polytope.inner().centre, polytope.outer_radius() + polytope.swept_radius())
-            }
-            other => (DVec3::ZERO, other.reach()),
-        };
-        let [(of_a, radius_a), (of_b, radius_b)] = [sphere(a), sphere(b)];
-        let (of_a, of_b) = (a.pose.apply(of_a), b.pose.apply(of_b));
-        let far = of_a.abs().element_sum() + of_b.abs().element_sum();
-        let radii = (radius_a + radius_b) * (1.0 + 1e-5);
-        Some(radii + 64.0 * super::UNIT * far + moved - of_a.distance(of_b))
+    /// At least how far the two of that number reach past each other along a unit vector, from the first to the second, and the sum
+    /// of the radii of spheres round them: metres.
+    pub(in crate::query) fn least_reach(&self, number: usize, normal: DVec3) -> [f64; 2] {
+        let PartSpheres { between, inner, outer } = self.known[number].spheres;
+        let along = normal.dot(between);
+        [inner - if self.is_swapped { -along } else { along }, outer]
     }
 
     /// The depth of the deepest parts, in the world, from the first shape to the second.
@@ -232,7 +236,8 @@ impl<'a> TouchingParts<'a> {
             .map(|number| (number, true))
             .chain(unknown.into_iter().map(|number| (number, false)))
         {
-            if !is_known && self.at_most(number)? < lower {
+            let PartSpheres { between, outer, .. } = self.known[number].spheres;
+            if !is_known && outer - between.length() < lower {
                 continue;
             }
             let found = self.depth(at, number, scratch)?;

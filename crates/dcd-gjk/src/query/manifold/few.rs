@@ -124,6 +124,9 @@ trait Parts {
     /// Two of them, and by how much they are moved: metres.
     fn posed(&self, pair: [u32; 2]) -> Option<([PosedShape<'_>; 2], f64)>;
 
+    /// Whether [`rest`] has nothing of those of that number, as far as the spheres in them show.
+    fn surely_reach_beyond(&self, number: usize, depth: &Depth) -> bool;
+
     /// Writes the manifold of those of that number alone, if the lanes know where they touch; false, and nothing written,
     /// where they do not.
     fn write_patch(&self, number: usize, manifold: &mut Manifold) -> bool;
@@ -134,6 +137,10 @@ impl Parts for Couple<'_> {
         Couple::posed(self, pair)
     }
 
+    fn surely_reach_beyond(&self, _: usize, _: &Depth) -> bool {
+        false
+    }
+
     fn write_patch(&self, _: usize, _: &mut Manifold) -> bool {
         false
     }
@@ -142,6 +149,12 @@ impl Parts for Couple<'_> {
 impl Parts for TouchingParts<'_> {
     fn posed(&self, pair: [u32; 2]) -> Option<([PosedShape<'_>; 2], f64)> {
         TouchingParts::posed(self, pair)
+    }
+
+    fn surely_reach_beyond(&self, number: usize, depth: &Depth) -> bool {
+        let [reach, outer] = self.least_reach(number, depth.normal);
+        // The diameters are twice the spheres'; and a margin.
+        reach > depth.depth + 4.0 * NEAR * outer
     }
 
     fn write_patch(&self, number: usize, manifold: &mut Manifold) -> bool {
@@ -302,6 +315,9 @@ impl<P: Parts> Patches<'_, P> {
         let Found { pair, depth: own, .. } = &self.found[k];
         if own.normal.dot(depth.normal) >= ALIKE {
             return Some(Member::Alike);
+        }
+        if self.parts.surely_reach_beyond(k, depth) {
+            return None;
         }
         let (posed, _) = self.parts.posed(*pair)?;
         rest(posed, depth).map(Member::Separated)

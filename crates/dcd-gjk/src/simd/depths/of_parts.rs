@@ -2,14 +2,16 @@
 //! objects have. What neither knows is left to the solver.
 
 use super::super::closed::{are_cuboids, depths as of_cuboids, patches};
+use super::super::frame::{FramePair, Record};
 use super::super::scene_pairs::ScenePairs;
 use super::super::touching_parts::OfCompounds;
 use super::answers::{Answers, Contacts};
 use super::{SimdDepths, TouchingScratch};
 use crate::epa::{self, Depth};
-use crate::query::{FoundParts, PartContact};
+use crate::query::{FoundParts, PartContact, PartSpheres};
 use crate::{Accuracy, Contact, Depths};
 use dcd_geom::Pair;
+use dcd_geom::glam::DVec3;
 use dcd_simd::{ArrayVec, Path};
 use std::ops::Range;
 
@@ -34,6 +36,7 @@ pub(super) struct OfParts {
 #[derive(Clone, Copy, Debug)]
 struct Parts {
     numbers: [u32; 2],
+    spheres: PartSpheres,
     found: Found,
 }
 
@@ -118,7 +121,8 @@ impl OfParts {
                         Found::Searched(searched.len() - 1)
                     }
                 };
-                Parts { numbers: objects.part_numbers(records), found }
+                let numbers = objects.part_numbers(records);
+                Parts { numbers, spheres: spheres(objects.frames, records), found }
             }));
             questions.push((place, first..parts.len()));
         }
@@ -157,8 +161,21 @@ impl OfParts {
                     }
                 }
             };
-            PartContact { parts: part.numbers, found }
+            PartContact { parts: part.numbers, spheres: part.spheres, found }
         }));
         true
+    }
+}
+
+/// The spheres in two parts and round them.
+#[inline(always)]
+fn spheres(frames: FramePair<'_>, records: Pair) -> PartSpheres {
+    let (a, b) = (frames.a.record(records.i), frames.b.record(records.j));
+    let centre = |record: &Record| DVec3::from_slice(&record.centre[..3]);
+    let slack = f64::from(a.slack) + f64::from(b.slack);
+    PartSpheres {
+        between: centre(b) - centre(a),
+        inner: f64::from(a.inner) + f64::from(b.inner) - 2.0 * slack,
+        outer: f64::from(a.outer) + f64::from(b.outer) + 2.0 * slack,
     }
 }
