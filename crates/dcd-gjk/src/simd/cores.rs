@@ -61,7 +61,7 @@ pub(crate) struct Core {
 pub(crate) const MAX_PARTS: usize = 256;
 
 /// How far apart the outer and the inner OBB of a placed cuboid may be that is taken for a cuboid in f32, relative to its
-/// shortest half edge. They are a thousand times as far apart as its vertices may be from a cuboid's: that is 1e-5 of a rounding in
+/// shortest half edge. Its vertices are hundreds of times nearer to the cuboid's: that is less than a thousandth of a rounding in
 /// f32. Larger: cuboids far from their compound's origin whose bounds do not count what they are off. Smaller: more of them are
 /// searched as hulls.
 const NEARLY: f64 = 1e-9;
