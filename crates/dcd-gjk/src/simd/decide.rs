@@ -298,7 +298,8 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let upright =
             if closed { marked(self.frames, &entry.packet, open, AXIS_ALIGNED) } else { 0 };
         // Of meshes the boxes are worth while where neither object is far larger: a terrain's hold all that is near it.
-        let alone = match T::HANDS_ON && T::KEEPS == KeptProof::Nothing && entry.boxed_alone != 0 {
+        let is_tried = T::HANDS_ON && T::KEEPS != KeptProof::Clearance;
+        let alone = match is_tried && entry.boxed_alone != 0 {
             true => are_alike(self.frames, &entry.packet, entry.boxed_alone),
             false => 0,
         };
