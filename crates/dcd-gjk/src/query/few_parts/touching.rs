@@ -229,15 +229,12 @@ impl<'a> TouchingParts<'a> {
     ) -> Option<Depth> {
         let (mut most, mut upper, mut lower): (Option<Depth>, f64, f64) = (None, 0.0, 0.0);
         // Those of which the lanes know most come first: of the others few may be deeper.
-        let is_known = |&number: &usize| !matches!(self.known[number].found, FoundParts::Nothing);
-        let (known, unknown): (Vec<_>, Vec<_>) = (0..self.len()).partition(is_known);
-        for (number, is_known) in known
-            .into_iter()
-            .map(|number| (number, true))
-            .chain(unknown.into_iter().map(|number| (number, false)))
-        {
+        let is_unknown = |number: usize| matches!(self.known[number].found, FoundParts::Nothing);
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        order.sort_by_key(|&number| is_unknown(number));
+        for number in order {
             let PartSpheres { between, outer, .. } = self.known[number].spheres;
-            if !is_known && outer - between.length() < lower {
+            if is_unknown(number) && outer - between.length() < lower {
                 continue;
             }
             let found = self.depth(at, number, scratch)?;
