@@ -215,9 +215,13 @@ impl Cores {
             return (core, obb);
         };
         let apart = (placed.outer - placed.inner).max_element();
-        let is_nearly_box = apart <= NEARLY * half_extents.min_element();
+        // Else it was placed as any hull, whose OBBs have axes of their own, in an order of their own.
+        let is_turned = placed.axes == *part.pose.rotation();
+        if !is_turned || !(apart <= NEARLY * half_extents.min_element()) {
+            return (core, obb);
+        }
         let case = case_of(half_extents.to_array()).unwrap_or(UNKNOWN_CASE) as f32;
-        (Core { is_nearly_box, ..core }, obb.map(|obb| ObbBoundsF32 { case, ..obb }))
+        (Core { is_nearly_box: true, ..core }, obb.map(|obb| ObbBoundsF32 { case, ..obb }))
     }
 
     fn of_polytope(&mut self, polytope: &Polytope) -> (Core, Option<ObbBoundsF32>) {

@@ -7,6 +7,7 @@ mod depths;
 mod distances;
 mod hardly_touching;
 mod lane_depths;
+mod lane_parts;
 mod manifold_points;
 mod manifolds;
 mod mesh_boxes;

@@ -113,8 +113,12 @@ fn write_known_in_order(
     let parts = TouchingParts::of(&framed, (wholes, is_swapped), known)?;
     found.clear();
     for number in 0..parts.len() {
-        let depth = parts.depth(at, number, memory)?;
-        found.push(Found { pair: parts.pair(number), depth, is_open: true });
+        let (pair, depth) = (parts.pair(number), parts.depth(at, number, memory)?);
+        let depth = match at {
+            Accuracy::F32 => sharpened(parts.posed(pair)?.0, depth),
+            _ => depth,
+        };
+        found.push(Found { pair, depth, is_open: true });
     }
     Patches { framed: &framed, parts: &parts, found, corners }.write_all(set)
 }
@@ -326,18 +330,45 @@ impl<P: Parts> Patches<'_, P> {
 
 /// By how much more than a depth two parts must be moved along its normal to come apart, if that is hardly more; `None` also
 /// of half-spaces.
-fn rest([a, b]: [PosedShape<'_>; 2], depth: &Depth) -> Option<f64> {
-    let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) else { return None };
-    let normal = depth.normal;
-    let delta = b.pose.translation() - a.pose.translation();
-    let radius = in_a.swept_radius() + in_b.swept_radius();
-    let of_a = farthest(in_a, a.pose.rotation().transpose() * normal);
-    let of_b = farthest(in_b, b.pose.rotation().transpose() * -normal);
-    let reach = (of_a + of_b) - normal.dot(delta) + radius;
-    let lost = REACH * (in_a.reach() + in_b.reach() + delta.norm1() + radius);
-    let more = reach + lost - depth.depth;
-    let diameters = 2.0 * (in_a.outer_radius() + in_b.outer_radius() + radius);
+fn rest(sides: [PosedShape<'_>; 2], depth: &Depth) -> Option<f64> {
+    let Reach { along, lost, diameters } = Reach::of(sides, depth.normal)?;
+    let more = along + lost - depth.depth;
     (more <= NEAR * diameters).then(|| more.max(0.0))
+}
+
+/// How far two polytopes reach past each other along a unit vector: metres.
+struct Reach {
+    along: f64,
+    /// What that is off by at most.
+    lost: f64,
+    /// At least the sum of the two diameters.
+    diameters: f64,
+}
+
+impl Reach {
+    /// `None` of other shapes.
+    fn of([a, b]: [PosedShape<'_>; 2], normal: DVec3) -> Option<Self> {
+        let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) else {
+            return None;
+        };
+        let delta = b.pose.translation() - a.pose.translation();
+        let radius = in_a.swept_radius() + in_b.swept_radius();
+        let of_a = farthest(in_a, a.pose.rotation().transpose() * normal);
+        let of_b = farthest(in_b, b.pose.rotation().transpose() * -normal);
+        let along = (of_a + of_b) - normal.dot(delta) + radius;
+        let lost = REACH * (in_a.reach() + in_b.reach() + delta.norm1() + radius);
+        let diameters = 2.0 * (in_a.outer_radius() + in_b.outer_radius() + radius);
+        Some(Self { along, lost, diameters })
+    }
+}
+
+/// A depth that f32 knows, as far as f64 sees its parts reach past each other along its normal: the corners of a patch are as deep as
+/// that, and parts that rest on one plane are of one patch. The bound counts how far it is from what was.
+fn sharpened(sides: [PosedShape<'_>; 2], found: Depth) -> Depth {
+    let Some(Reach { along, lost, .. }) = Reach::of(sides, found.normal) else { return found };
+    let depth = along.max(0.0);
+    let error_bound = found.error_bound + (depth - found.depth).abs() + lost;
+    Depth { depth, error_bound, ..found }
 }
 
 /// The most of x·d over a core, in its own frame.
