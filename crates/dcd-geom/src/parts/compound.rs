@@ -1,7 +1,7 @@
 //! Convex parts, each with a place in the compound.
 
 use super::tree::PartTree;
-use crate::{Aabb, Curved, Polytope, Pose, Shape, ShapeError, Support, SupportMap};
+use crate::{Aabb, Curved, Kind, Polytope, Pose, Shape, ShapeError, Support, SupportMap};
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
 
@@ -38,8 +38,8 @@ impl Part {
         }
     }
 
-    /// Which face of [`Part::placed`] a face of the shape is there, by index: cuboids are placed as hulls, whose faces are
-    /// listed in another order. `None` of a face that is none of a polytope, or has no such place. All are found at the first
+    /// Which face of [`Part::placed`] a face of the shape is there, by index: cuboids are placed as hulls, and the faces of a hull
+    /// that is moved are listed anew, in another order. `None` of a face that is none of a polytope, or has no such place. All are found at the first
     /// call.
     pub fn placed_face(&self, face: u32) -> Option<u32> {
         if self.is_listed_alike {
@@ -90,8 +90,11 @@ impl Compound {
         }
         let place = |(part, (shape, pose)): (usize, (Shape, Pose))| {
             let placed = placed(part, &shape, &pose)?;
+            // A hull's faces are listed anew where it was moved.
             let kind = |shape: &Shape| shape.as_polytope().map(Polytope::kind);
-            let is_listed_alike = kind(&shape).is_some() && kind(&shape) == kind(&placed);
+            let are_alike = kind(&shape).is_some() && kind(&shape) == kind(&placed);
+            let is_kept = pose == Pose::IDENTITY || kind(&shape) != Some(Kind::Hull);
+            let is_listed_alike = are_alike && is_kept;
             let (reach, placed_faces) = (shape.reach(), OnceLock::new());
             Ok(Part { shape, pose, placed, placed_faces, reach, is_listed_alike })
         };
@@ -234,6 +237,39 @@ mod tests {
         assert!(aabb.min.x <= -2.5 && aabb.min.x > -2.5001);
         assert!(aabb.max.x > 4.5 && aabb.max.x < 4.8);
         assert!(compound.reach() > 3.5 && compound.reach() < 4.0);
+    }
+
+    #[test]
+    fn a_face_of_a_part_has_the_same_corners_where_it_is_placed() {
+        let corner = |k: u32| {
+            DVec3::from([1, 2, 4].map(|bit| if k & bit == 0 { -0.5 } else { 0.5 }))
+                * DVec3::new(1.0, 2.0, 3.0)
+        };
+        let hull = Shape::hull((0..8).map(corner).collect()).unwrap();
+        let (mut named, mut moved) = (0, 0);
+        for shape in [hull, Shape::cuboid(DVec3::new(0.3, 0.2, 0.1)).unwrap()] {
+            for k in 0..40 {
+                let turn = DQuat::from_scaled_axis(DVec3::new(0.1, 0.2, -0.3) * f64::from(k));
+                let pose = Pose::new(turn, DVec3::splat(0.1 * f64::from(k))).unwrap();
+                let compound = Compound::new(vec![(shape.clone(), pose)]).unwrap();
+                let part = &compound.parts()[0];
+                let [own, placed] =
+                    [&part.shape, part.placed()].map(|shape| shape.as_polytope().unwrap().facets());
+                let sorted = |corners: &[u32]| {
+                    let mut corners = corners.to_vec();
+                    corners.sort_unstable();
+                    corners
+                };
+                for (face, facet) in (0..).zip(own.facets()) {
+                    let Some(there) = part.placed_face(face) else { continue };
+                    let found = &placed.facets()[there as usize];
+                    assert_eq!(sorted(own.corners(facet)), sorted(placed.corners(found)), "{k}");
+                    named += 1;
+                    moved += usize::from(there != face);
+                }
+            }
+        }
+        assert!(named > 400 && moved > 0, "{named} {moved}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The parts of two shapes of which the lanes know that they touch, and mostly how deep: those alone are placed, as they were given.
 
-use super::{Framed, Known, is_good, place, touch};
+use super::{Framed, IN_PLACE, Known, is_good, place, touch};
 use crate::closed::Axes;
 use crate::epa::{self, Depth};
 use crate::query::manifold::depth_of_patch;
@@ -113,7 +113,8 @@ impl<'a> TouchingParts<'a> {
             if is_swapped { [b, a] } else { [a, b] }
         };
         known.sort_unstable_by_key(numbers);
-        let mut parts = [Vec::with_capacity(known.len()), Vec::with_capacity(known.len())];
+        let few = known.len().min(IN_PLACE);
+        let mut parts = [Vec::with_capacity(few), Vec::with_capacity(few)];
         let seen = framed.sides();
         for contact in &*known {
             for (k, number) in numbers(contact).into_iter().enumerate() {
@@ -128,6 +129,12 @@ impl<'a> TouchingParts<'a> {
     /// How many contacts there are.
     pub(in crate::query) fn len(&self) -> usize {
         self.known.len()
+    }
+
+    /// The most that the pose of a part, or the product of both poses, is off a rotation.
+    pub(in crate::query) fn deviation(&self) -> f64 {
+        let all = self.parts.iter().flatten();
+        all.map(|part| part.pose.deviation()).fold(0.0, f64::max)
     }
 
     /// The parts of the contact of that number.

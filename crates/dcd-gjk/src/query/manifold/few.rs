@@ -24,6 +24,10 @@ use dcd_geom::{Kind, Polytope, Shape, Vector};
 /// What the reach of two parts along a normal may be short by. Unit: u of their sizes and distance. Derived: 20.
 const REACH: f64 = 32.0 * (f64::EPSILON / 2.0);
 
+/// How much more than their compounds' poses those of parts as they were given may be off rotations for a certified manifold. Larger: wider bounds. Smaller: parts
+/// that are measured one by one as they are placed.
+const TURNED: f64 = 1e-12;
+
 /// A pair of parts that touch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
@@ -111,6 +115,11 @@ fn write_known_in_order(
     let Scratch { depth: memory, corners, of_few: found, .. } = scratch;
     let framed = Framed::round_first(wholes)?;
     let parts = TouchingParts::of(&framed, (wholes, is_swapped), known)?;
+    // The bound counts what poses are off rotations; parts as they are placed have that of their compound alone.
+    let of_wholes: f64 = wholes.iter().map(|whole| whole.pose.deviation()).sum();
+    if at == Accuracy::Certified && !(parts.deviation() <= of_wholes + TURNED) {
+        return None;
+    }
     found.clear();
     for number in 0..parts.len() {
         let (pair, depth) = (parts.pair(number), parts.depth(at, number, memory)?);
