@@ -73,9 +73,8 @@ impl Corner {
     /// angle of the cosine `level`, that is a little less than to the surface (docs/numerics/proofs.md, "manifolds").
     pub(super) fn swept(self, radii: [f64; 2], level: [f64; 2]) -> Self {
         let [height_a, height_b] = self.heights;
-        let inside = |k: usize| radii[k] * (1.0 - level[k]).max(0.0);
         let heights = [height_a + radii[0], height_b - radii[1]];
-        Self { heights, inside: inside(0).max(inside(1)), ..self }
+        Self { heights, inside: inside_of(radii, level), ..self }
     }
 
     /// At places that are so far inside a swept surface, metres.
@@ -87,6 +86,13 @@ impl Corner {
     pub(super) fn off_surface(&self, depth: f64) -> f64 {
         self.beside + self.inside.min((depth - self.depth()).max(0.0))
     }
+}
+
+/// How far inside the swept surfaces of features that lean by angles of those cosines their points may be: metres.
+#[inline(always)]
+pub(super) fn inside_of(radii: [f64; 2], level: [f64; 2]) -> f64 {
+    let inside = |k: usize| radii[k] * (1.0 - level[k]).max(0.0);
+    inside(0).max(inside(1))
 }
 
 /// What two features have in common, with the memory that clipping takes.
@@ -234,9 +240,12 @@ pub(super) fn different<S: Spot + Copy>(corners: &mut [S], size: f64) -> usize {
     let are_apart = |offset: DVec2| offset.abs().max_element() > near || offset.length() > near;
     let mut kept = 0;
     for k in 0..corners.len() {
-        let corner = corners[k];
-        if corners[..kept].iter().all(|other| are_apart(other.at() - corner.at())) {
-            corners[kept] = corner;
+        let at = corners[k].at();
+        if corners[..kept].iter().all(|other| are_apart(other.at() - at)) {
+            // Mostly none has been left out before.
+            if kept < k {
+                corners[kept] = corners[k];
+            }
             kept += 1;
         }
     }

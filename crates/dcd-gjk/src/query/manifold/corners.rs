@@ -23,6 +23,7 @@ pub(super) struct Corners {
     patch: Patch,
     pub(super) of_cuboids: cuboid_polygon::Points,
     pub(super) of_hulls: hull_pair::Points,
+    of_triangles: triangle_clip::Points,
     /// How large the shapes are.
     size: f64,
 }
@@ -214,7 +215,7 @@ impl Corners {
         }
         let most = depth.depth + self.tolerance();
         let added = facing.outline.as_ref().and_then(|body| {
-            let (points, corners_found) = (&mut self.of_hulls, &mut self.corners);
+            let (points, corners_found) = (&mut self.of_triangles, &mut self.corners);
             let how = (view, radii, most);
             triangle_clip::add(how, (&part, corners), body, points, corners_found)
         });
@@ -288,10 +289,10 @@ impl Corners {
             let corner = &self.corners[k];
             *pair = Some(corner.pair);
             off_surface = off_surface.max(corner.off_surface(depth.depth));
-            let [height_a, height_b] = corner.heights;
+            let [point_a, point_b] = view.in_world(corner.at, corner.heights);
             found.points.push(ManifoldPoint {
-                point_a: view.in_world(corner.at, height_a) + origin,
-                point_b: view.in_world(corner.at, height_b) + origin,
+                point_a: point_a + origin,
+                point_b: point_b + origin,
                 depth: corner.depth().clamp(0.0, depth.depth),
                 features: corner.features,
                 parts: [None; 2],

@@ -67,9 +67,10 @@ impl View {
         (DVec2::new(self.x.dot(v), self.y.dot(v)), self.normal.dot(v))
     }
 
-    /// Back from the plane.
-    pub(super) fn in_world(&self, at: DVec2, height: f64) -> DVec3 {
-        self.x * at.x + self.y * at.y + self.normal * height
+    /// Back from the plane, at two heights.
+    pub(super) fn in_world(&self, at: DVec2, heights: [f64; 2]) -> [DVec3; 2] {
+        let on_plane = self.x * at.x + self.y * at.y;
+        heights.map(|height| on_plane + self.normal * height)
     }
 
     /// The direction, in the shape's own frame, in which it shows its feature.

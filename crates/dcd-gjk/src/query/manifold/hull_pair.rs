@@ -279,9 +279,11 @@ impl PlacedCorners<'_> {
             0 => ([height, height - corner.depth], [of_clips, of_clipped]),
             _ => ([height + corner.depth, height], [of_clipped, of_clips]),
         };
+        let heights = [heights[0] + radii[0], heights[1] - radii[1]];
+        let [point_a, point_b] = clipping.view.in_world(place.at, heights);
         Point {
-            point_a: clipping.view.in_world(place.at, heights[0] + radii[0]) + origin,
-            point_b: clipping.view.in_world(place.at, heights[1] - radii[1]) + origin,
+            point_a: point_a + origin,
+            point_b: point_b + origin,
             depth: place.depth.clamp(0.0, depth.depth),
             features: features.map(FeatureCode::from),
         }

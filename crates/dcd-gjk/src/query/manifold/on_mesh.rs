@@ -147,8 +147,18 @@ impl<'a> Patches<'a> {
         }
     }
 
-    /// Writes the manifold of a triangle and a vertex, which share no corner: the witnesses of the depth. False, and nothing
-    /// written, where they are not known well enough to stand for it.
+    /// Whether the witnesses of the depth are all that a manifold shows: a vertex of the body shares no corner with any
+    /// triangle, and no other member has witnesses along the normal.
+    fn shows_witness_alone(&self, lead: usize, body: &Body<'_>, part: &Part<'_>) -> bool {
+        let adds_none =
+            |m: &Member| m.number == lead || !m.is_alike && body.triangles.contains(&m.number);
+        self.of.accuracy == Accuracy::F32
+            && matches!(part, Part::Vertex(_))
+            && self.members.iter().all(adds_none)
+    }
+
+    /// Writes the witnesses of the depth of a triangle and a vertex over an empty manifold. False, and nothing written, where
+    /// they are not known well enough to stand for it.
     ///
     /// The body's is moved by what the two miss of the depth, so that one is above the other; the bound counts that twice,
     /// once for the way and once for what the mesh's may be off by as much.
@@ -167,7 +177,7 @@ impl<'a> Patches<'a> {
         }
         write_one_point(depth, [Feature::Surface; 2], manifold);
         let sides = [self.of.mesh, body.side];
-        manifold.error_bound = (bound_of(depth, size, sides) + 2.0 * missed).min(f64::MAX);
+        manifold.error_bound = bound_of(depth, size, sides) + 2.0 * missed;
         manifold.parts = parts_of(*triangle, body);
         let point = &mut manifold.points[0];
         point.parts = manifold.parts;
@@ -184,26 +194,29 @@ impl<'a> Patches<'a> {
         self.find_members(lead, depth);
         let body = self.of.body_of(lead)?;
         let part = body.facing(depth.normal);
-        if self.of.accuracy == Accuracy::F32
-            && self.members.len() == 1
-            && matches!(part, Part::Vertex(_))
-            && self.write_witness((lead, body), depth, manifold)
-        {
-            self.of.triangles[lead].is_open = false;
-            return Some(());
+        let is_witness = self.shows_witness_alone(lead, body, &part)
+            && self.write_witness((lead, body), depth, manifold);
+        if !is_witness {
+            self.write_corners(Lead { number: lead, depth, part }, manifold)?;
         }
-        let view = View::along(depth.normal);
-        self.corners.clear();
-        let lead = Lead { number: lead, depth, part };
-        let features = self.add_members(&view, lead)?;
-        let sides = [self.of.mesh, self.whole];
-        let of_points = self.corners.write(&view, depth, sides, features, manifold);
         let (mut rest, mut moved) = (0.0f64, 0.0f64);
         for member in &*self.members {
+            self.of.triangles[member.number].is_open = false;
             rest = rest.max(member.rest);
             moved = moved.max(self.of.body_of(member.number)?.moved);
         }
         manifold.error_bound = (manifold.error_bound + rest + moved).min(f64::MAX);
+        Some(())
+    }
+
+    /// Writes the corners that the members share with their bodies over an empty manifold, but for what of the bound is not
+    /// theirs.
+    fn write_corners(&mut self, lead: Lead<'_>, manifold: &mut Manifold) -> Option<()> {
+        let view = View::along(lead.depth.normal);
+        self.corners.clear();
+        let features = self.add_members(&view, lead)?;
+        let sides = [self.of.mesh, self.whole];
+        let of_points = self.corners.write(&view, lead.depth, sides, features, manifold);
         let parts = |k: usize| Some(parts_of(self.of.triangles[k].triangle, self.of.body_of(k)?));
         manifold.parts = parts(lead.number)?;
         for (point, number) in manifold.points.iter_mut().zip(of_points) {
@@ -216,7 +229,7 @@ impl<'a> Patches<'a> {
         Some(())
     }
 
-    /// Adds the corners of the members, none of which is open then. What the deepest and its body show as wholes.
+    /// Adds the corners of the members. What the deepest and its body show as wholes.
     fn add_members(&mut self, view: &View, lead: Lead<'_>) -> Option<[Feature; 2]> {
         let Self { of: OpenTriangles { mesh, bodies, triangles, .. }, members, corners, .. } = self;
         let (mut features, mut left) = ([Feature::Surface; 2], &members[..]);
@@ -234,8 +247,7 @@ impl<'a> Patches<'a> {
             let facing = Corners::facing(view, part, body.polytope, placed);
             let radii = [mesh.shape.radius(), body.side.shape.radius()];
             for &Member { number, is_alike, .. } in own {
-                let triangle = &mut triangles[number];
-                triangle.is_open = false;
+                let triangle = &triangles[number];
                 let before = corners.len();
                 let is_lead = number == lead.number;
                 if is_lead || !facing.is_round() {

@@ -4,11 +4,10 @@
 
 use super::CROSSING;
 use super::Feature;
-use super::clip::{Corner, has_sharp_corner};
-use super::cuboid_polygon::{LineOf, PointOf, features};
-use super::facing::Part;
+use super::clip::{Corner, has_sharp_corner, inside_of};
+use super::cuboid_polygon::{LineOf, PointOf, Polygon, features};
+use super::facing::{Part, edge};
 use super::feature::{Placed, View};
-use super::hull_pair::Points;
 use super::leaning_edge::{level_of_edge, level_of_triangles_edge};
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DVec2, DVec3};
@@ -17,7 +16,14 @@ use dcd_simd::ArrayVec;
 /// The most corners of what a body shows. Larger: memory. Smaller: faces of many corners that go the general way.
 const CORNERS: usize = 10;
 
-type Line = LineOf<u32>;
+/// One more for each of four cuts, and spare ones for what rounding adds.
+const MOST: usize = CORNERS + 6;
+
+/// By the places of corners in their outlines, which are small: points are moved by every cut.
+type Line = LineOf<u8>;
+
+/// The corners of a patch of a triangle and a body.
+pub(super) type Points = Polygon<u8, MOST>;
 
 /// A face or an edge as it is seen.
 pub(super) struct Outline<const MOST: usize = CORNERS> {
@@ -133,6 +139,17 @@ impl Shown<'_> {
         let base = self.points[0].1;
         base.z + self.leaning.slope.dot(at - base.truncate())
     }
+
+    /// A feature of it whose corners are numbered by their places; what is no corner and no edge of it is the whole.
+    #[inline(always)]
+    fn named(&self, feature: Feature) -> Feature {
+        let index = |place: u32| self.points[place as usize].0;
+        match feature {
+            Feature::Vertex(place) => Feature::Vertex(index(place)),
+            Feature::Edge(j, k) => edge(index(j), index(k)),
+            _ => self.leaning.whole,
+        }
+    }
 }
 
 /// Adds what a triangle that shows that and a body have in common, the radii of both counted, unless it is deeper than
@@ -161,18 +178,19 @@ pub(super) fn add(
     if !points.list().iter().all(|point| point.depth + radius <= most) {
         return Some(());
     }
-    let level = [triangle.leaning.level, body.leaning.level];
-    let whole = [clips.leaning.whole, clipped.leaning.whole];
-    for point in points.list() {
+    let inside = inside_of(radii, [triangle.leaning.level, body.leaning.level]);
+    corners.extend(points.list().iter().map(|point: &PointOf<u8>| {
         let at = DVec2::from_array(point.at);
         let height = clips.height(at);
-        let [of_clips, of_clipped] = features(point.origin, whole);
+        let [of_clips, of_clipped] = features(point.origin, [Feature::Surface; 2]);
+        let (of_clips, of_clipped) = (clips.named(of_clips), clipped.named(of_clipped));
         let (heights, features) = match number {
             0 => ([height, height - point.depth], [of_clips, of_clipped]),
             _ => ([height + point.depth, height], [of_clipped, of_clips]),
         };
-        corners.push(Corner::new(at, heights, features).swept(radii, level));
-    }
+        let heights = [heights[0] + radii[0], heights[1] - radii[1]];
+        Corner::new(at, heights, features).inside(inside)
+    }));
     Some(())
 }
 
@@ -188,21 +206,22 @@ fn clip(
         return None;
     }
     let sense = if number == 0 { 1.0 } else { -1.0 };
-    let list = clipped.points;
-    for (k, &(index, at)) in list.iter().enumerate() {
-        let next = list[if k + 1 < list.len() { k + 1 } else { 0 }].0;
-        let line = Line::Clipped(index, next);
+    let last = clipped.points.len() - 1;
+    for (k, &(_, at)) in clipped.points.iter().enumerate() {
+        let next = if k < last { k + 1 } else { 0 };
+        let line = Line::Clipped(k as u8, next as u8);
         let depth = sense * (clips.height(at.truncate()) - at.z);
         points.push(PointOf { at: [at.x, at.y], depth, line, origin: [line; 2] });
     }
-    let mut from = clips.points.last()?;
-    for to in clips.points {
-        let (start, along) = (from.1, to.1 - from.1);
-        let inside = |point: &PointOf<u32>| {
+    let last = clips.points.len() - 1;
+    let mut from = (last, clips.points[last].1);
+    for (k, &(_, to)) in clips.points.iter().enumerate() {
+        let (start, along) = (from.1, to - from.1);
+        let inside = |point: &PointOf<u8>| {
             along.x * (point.at[1] - start.y) - along.y * (point.at[0] - start.x)
         };
-        points.cut(inside, Line::Clips(from.0, to.0))?;
-        from = to;
+        points.cut(inside, Line::Clips(from.0 as u8, k as u8))?;
+        from = (k, to);
     }
     points.cut(|point| point.depth + radius, Line::Surface)
 }
