@@ -69,7 +69,7 @@ enum Axis {
 }
 
 impl<'a> Couple<'a> {
-    /// The depth of parts that touch by a formula that is good enough: by the axes of a cuboid, else by the nearest points,
+    /// The depth of parts that touch by a formula that is good enough: of two triangles by theirs; else by the axes of a cuboid, else by the nearest points,
     /// else where a part is pressed into the triangle; that first of a hull, whose planes take five times as long and say no
     /// more there. What the planes or the nearest points say may be `known`: it changes no bit.
     pub(super) fn by_formula(
@@ -77,6 +77,9 @@ impl<'a> Couple<'a> {
         known: Option<Depth>,
         is_good: impl Fn(&Depth) -> bool,
     ) -> Option<Depth> {
+        if let [Part::Triangle { .. }, Part::Triangle { .. }] = self.parts() {
+            return self.of_two_triangles().filter(is_good);
+        }
         let is_hull = self.parts().iter().any(Part::is_hull);
         // Each returned at once: handed on by one after the other they would be copied as often.
         if is_hull

@@ -126,6 +126,21 @@ impl PartPair<'_> {
         Some([PosedShape { shape: in_a, pose: a.pose }, PosedShape { shape: in_b, pose: b.pose }])
     }
 
+    /// Two triangles where their wholes are, with their swept radii: world axes, from a's origin. `None` of others.
+    pub(crate) fn triangles(&self, [a, b]: [PosedShape<'_>; 2]) -> Option<[([DVec3; 3], f64); 2]> {
+        let [
+            Part::Triangle { corners: in_a, radius: radius_a, .. },
+            Part::Triangle { corners: in_b, radius: radius_b, .. },
+        ] = self.sides
+        else {
+            return None;
+        };
+        let delta = b.pose.translation() - a.pose.translation();
+        let in_a = in_a.map(|corner| *a.pose.rotation() * corner);
+        let in_b = in_b.map(|corner| *b.pose.rotation() * corner + delta);
+        Some([(in_a, radius_a), (in_b, radius_b)])
+    }
+
     /// Its depth, if it is known or `measure` finds it with that effort.
     pub(crate) fn depth_by(
         &self,
@@ -189,8 +204,8 @@ impl PartPair<'_> {
         if self.swapped { -normal } else { normal }
     }
 
-    /// Its depth where a part is a sphere, a capsule or a cuboid, or pressed into the face of a triangle, with a bound
-    /// of at most a part `relative` of it or `of_size` of the pair's size.
+    /// Its depth where a part is a sphere, a capsule or a cuboid, or pressed into the face of a triangle, or where both are
+    /// triangles, with a bound of at most a part `relative` of it or `of_size` of the pair's size.
     pub(crate) fn by_formula(&self, good: [f64; 2]) -> Option<Depth> {
         let couple = self.couple.as_ref()?;
         let is_good = couple.is_good(good);

@@ -30,6 +30,7 @@ mod tests;
 mod triangle_gaps;
 mod triangles;
 mod two_meshes;
+mod two_triangles;
 
 use crate::epa::Depth;
 use crate::{Method, PosedShape, Reason, Verdict, order};

@@ -180,6 +180,35 @@ impl Corners {
         whole
     }
 
+    /// The same of two triangles with their radii, of corners in world axes: none becomes a shape. `None` of a needle.
+    pub(super) fn add_triangles(
+        &mut self,
+        view: &View,
+        triangles: [&([DVec3; 3], f64); 2],
+    ) -> Option<[Feature; 2]> {
+        let [(of_a, radius_a), (of_b, radius_b)] = triangles;
+        let part_a = Part::of_triangle(*of_a, view.normal())?;
+        let part_b = Part::of_triangle(*of_b, -view.normal())?;
+        self.size = self.size.max(2.0 * (outer_radius(of_a) + outer_radius(of_b)));
+        let whole = [part_a.name(), part_b.name()];
+        let edge =
+            |corners: &[DVec3; 3], [j, k]: [u32; 2]| corners[k as usize] - corners[j as usize];
+        let share_none = match (&part_a, &part_b) {
+            (Part::Vertex(_), _) | (_, Part::Vertex(_)) => true,
+            (Part::Edge(in_a), Part::Edge(in_b)) => {
+                surely_cross(view.normal(), edge(of_a, *in_a), edge(of_b, *in_b))
+            }
+            _ => false,
+        };
+        if !share_none {
+            let placed = |sense| Placed { rotation: &DMat3::IDENTITY, place: DVec3::ZERO, sense };
+            let seen_a = view.seen_triangle(part_a, &placed(1.0), (of_a, *radius_a));
+            let seen_b = view.seen_triangle(part_b, &placed(-1.0), (of_b, *radius_b));
+            self.add_shared(&seen_a, &seen_b, [*radius_a, *radius_b]);
+        }
+        Some(whole)
+    }
+
     /// What a polytope shows along the view, that part, for [`Corners::add_triangle`].
     pub(super) fn facing<'a>(
         view: &View,
@@ -325,11 +354,15 @@ impl Facing<'_> {
 }
 
 /// How large a triangle and a polytope are.
-pub(super) fn size_with_triangle(&[p, q, r]: &[DVec3; 3], polytope: &Polytope) -> f64 {
+pub(super) fn size_with_triangle(corners: &[DVec3; 3], polytope: &Polytope) -> f64 {
+    2.0 * (outer_radius(corners) + polytope.outer_radius())
+}
+
+/// How far a triangle's corners are from their middle.
+fn outer_radius(&[p, q, r]: &[DVec3; 3]) -> f64 {
     let middle = (p + q + r) / 3.0;
     let square = |corner: DVec3| corner.distance_squared(middle);
-    let outer_radius = square(p).max(square(q)).max(square(r)).sqrt();
-    2.0 * (outer_radius + polytope.outer_radius())
+    square(p).max(square(q)).max(square(r)).sqrt()
 }
 
 /// What a sphere and another shape show as wholes: a point shares no corners with anything but a half-space.

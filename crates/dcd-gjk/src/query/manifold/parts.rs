@@ -284,9 +284,15 @@ impl Patches<'_, '_> {
     /// such parts meet along another. Returns what the two show as wholes.
     fn add_corners(&mut self, view: &View, depth: &Depth, k: usize) -> [Feature; 2] {
         let pair = &self.pairs[k];
+        let before = self.corners.len();
+        if let Some([of_a, of_b]) = &pair.triangles(self.sides)
+            && let Some(whole) = self.corners.add_triangles(view, [of_a, of_b])
+        {
+            self.drop_if_deeper(before, depth);
+            return whole;
+        }
         let [a, b] = self.sides;
         let Some(sides) = pair.posed(a, b) else { return Default::default() };
-        let before = self.corners.len();
         // The planes of half-spaces are the pair's own; what is seen is seen along the deepest's normal.
         let is_bounded = sides.iter().all(|side| side.shape.is_bounded());
         let of_plane = match is_bounded {
@@ -297,9 +303,14 @@ impl Patches<'_, '_> {
             },
         };
         let whole = self.corners.add(view, &Depth { normal: depth.normal, ..of_plane }, sides);
+        self.drop_if_deeper(before, depth);
+        whole
+    }
+
+    /// Takes the corners behind the first so many away if one is deeper than the deepest.
+    fn drop_if_deeper(&mut self, before: usize, depth: &Depth) {
         if self.corners.deepest_after(before) > depth.depth + self.corners.tolerance() {
             self.corners.truncate(before);
         }
-        whole
     }
 }
