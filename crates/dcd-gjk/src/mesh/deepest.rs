@@ -1,6 +1,6 @@
 //! How deep two shapes overlap that are made of parts: as deep as their deepest two parts.
 
-use super::reach::Couple;
+use super::reach::{Couple, Direction};
 use super::side::{Part, Parts, Side};
 use super::{Scratch, is_swapped, pair, touching};
 use crate::epa::Depth;
@@ -214,10 +214,15 @@ impl PartPair<'_> {
         Some(if self.swapped { found.mirrored() } else { found })
     }
 
+    /// A normal from a to b as all pairs of parts of the same two shapes see it; `None` where their reach is not known.
+    pub(crate) fn direction(&self, normal: DVec3) -> Option<Direction> {
+        Some(self.couple.as_ref()?.direction(self.in_order(normal)))
+    }
+
     /// What is proved of the pair along a normal from a to b.
-    pub(crate) fn along(&self, normal: DVec3) -> Along {
-        let reach = self.couple.as_ref().map(|couple| {
-            let least = self.reach_along(couple, self.in_order(normal)) - couple.slack();
+    pub(crate) fn along(&self, direction: Option<&Direction>) -> Along {
+        let reach = self.couple.as_ref().zip(direction).map(|(couple, direction)| {
+            let least = self.reach_along(couple, direction) - couple.slack();
             let diameters = self.diameters.get_or_init(|| couple.diameters(couple.slack()));
             Reach { least, diameters: *diameters }
         });
@@ -227,18 +232,18 @@ impl PartPair<'_> {
     /// An upper bound of how deep they overlap, as known from a normal from a to b: metres.
     fn most_along(&self, normal: DVec3) -> f64 {
         self.couple.as_ref().map_or(f64::INFINITY, |couple| {
-            let direction = self.in_order(normal);
-            couple.at_most_by(direction, self.reach_along(couple, direction))
+            let direction = couple.direction(self.in_order(normal));
+            couple.at_most_by(direction.world(), self.reach_along(couple, &direction))
         })
     }
 
     /// [`Couple::along`], which is the same as long as the direction is.
-    fn reach_along(&self, couple: &Couple<'_>, direction: DVec3) -> f64 {
+    fn reach_along(&self, couple: &Couple<'_>, direction: &Direction) -> f64 {
         match self.last_along.get() {
-            Some((last, reach)) if last == direction => reach,
+            Some((last, reach)) if last == direction.world() => reach,
             _ => {
-                let reach = couple.along(direction);
-                self.last_along.set(Some((direction, reach)));
+                let reach = couple.along_direction(direction);
+                self.last_along.set(Some((direction.world(), reach)));
                 reach
             }
         }

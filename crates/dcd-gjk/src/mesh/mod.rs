@@ -57,6 +57,7 @@ pub(crate) use on_body::{
     TouchingTriangle, deepest_by_formula, depth_in_sphere, touching_triangles, triangles_in_sphere,
 };
 pub(crate) use one_triangle::{OfTriangle, of_triangle};
+pub(crate) use reach::Direction;
 
 /// What is reused from pair to pair.
 #[derive(Clone, Debug, Default)]

@@ -98,6 +98,7 @@ pub(crate) fn touching_triangles(
     let first = Side::of(mesh).part(first);
     let mut couple = Couple::of([first, Part::Shape(body.shape)], [mesh.pose, body.pose])?;
     let (slack, is_good) = (couple.slack(), couple.is_good(good));
+    let of_body = couple.second_diameter();
     let most = |found: &Depth| (found.depth + found.error_bound).next_up();
     let turn = *mesh.pose.rotation();
     for triangle in triangles {
@@ -114,7 +115,7 @@ pub(crate) fn touching_triangles(
             corners: [turn * p, turn * q, turn * r],
             depth,
             at_most,
-            diameters: couple.diameters(slack),
+            diameters: couple.diameters_with(of_body, slack),
             slack,
             is_open: true,
         });

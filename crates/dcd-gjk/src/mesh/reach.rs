@@ -32,6 +32,18 @@ pub(super) struct Couple<'a> {
     size: f64,
 }
 
+/// A direction from the first shape to the second, as any of their parts see it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Direction {
+    /// World, of any length.
+    world: DVec3,
+    /// In the first's frame, and against it in the second's.
+    local: [DVec3; 2],
+    /// How far the second's origin is along it from the first's; metres times the length.
+    delta: f64,
+    length: f64,
+}
+
 /// How far a part reaches towards others of one shape along a direction.
 #[derive(Clone, Copy)]
 pub(super) struct SecondAlong {
@@ -42,6 +54,12 @@ pub(super) struct SecondAlong {
     length: f64,
     /// Of both.
     radii: f64,
+}
+
+impl Direction {
+    pub(super) fn world(&self) -> DVec3 {
+        self.world
+    }
 }
 
 impl SecondAlong {
@@ -194,18 +212,37 @@ impl<'a> Couple<'a> {
 
     /// How far they reach past each other along a direction from the first to the second; rounded.
     pub(super) fn along(&self, direction: DVec3) -> f64 {
-        let second = self.second_along(direction);
+        self.along_direction(&self.direction(direction))
+    }
+
+    /// The same along one that any pair of parts of the two shapes has seen.
+    pub(super) fn along_direction(&self, direction: &Direction) -> f64 {
+        let second = self.second_towards(direction);
         second.of(self.parts[0].farthest(second.direction))
+    }
+
+    pub(super) fn direction(&self, world: DVec3) -> Direction {
+        let [turn_a, turn_b] = self.poses.map(Pose::rotation);
+        Direction {
+            world,
+            local: [turn_a.transpose() * world, turn_b.transpose() * -world],
+            delta: world.dot(self.delta),
+            length: world.length(),
+        }
     }
 
     /// What the second reaches towards the first along a direction from there.
     pub(super) fn second_along(&self, direction: DVec3) -> SecondAlong {
-        let [turn_a, turn_b] = self.poses.map(Pose::rotation);
-        let of_b = self.parts[1].farthest(turn_b.transpose() * -direction);
+        self.second_towards(&self.direction(direction))
+    }
+
+    #[inline(always)]
+    fn second_towards(&self, direction: &Direction) -> SecondAlong {
+        let &Direction { local: [in_a, in_b], delta, length, .. } = direction;
         SecondAlong {
-            direction: turn_a.transpose() * direction,
-            reach: of_b - direction.dot(self.delta),
-            length: direction.length(),
+            direction: in_a,
+            reach: self.parts[1].farthest(in_b) - delta,
+            length,
             radii: self.parts[0].radius() + self.parts[1].radius(),
         }
     }
@@ -233,7 +270,17 @@ impl<'a> Couple<'a> {
     /// At least the sum of the two diameters; [`Couple::slack`] is known.
     #[inline(always)]
     pub(super) fn diameters(&self, slack: f64) -> f64 {
-        self.parts.iter().map(Part::diameter).sum::<f64>() * (1.0 + REACH * U64) + slack
+        self.diameters_with(self.parts[1].diameter(), slack)
+    }
+
+    /// The same where [`Couple::second_diameter`] is known, of any triangles of one mesh.
+    #[inline(always)]
+    pub(super) fn diameters_with(&self, second: f64, slack: f64) -> f64 {
+        (self.parts[0].diameter() + second) * (1.0 + REACH * U64) + slack
+    }
+
+    pub(super) fn second_diameter(&self) -> f64 {
+        self.parts[1].diameter()
     }
 }
 
@@ -275,6 +322,7 @@ impl Part<'_> {
         }
     }
 
+    #[inline(always)]
     fn diameter(&self) -> f64 {
         let core = match self {
             Self::Triangle { corners: [p, q, r], .. } => longest_edge([*p, *q, *r]),

@@ -204,6 +204,9 @@ struct Patches<'a, 's> {
     corners: &'a mut Corners,
 }
 
+/// A manifold's depth, and its normal as pairs of parts see it, where their reach is known.
+type AlongNormal<'d> = (&'d Depth, Option<&'d mesh::Direction>);
+
 /// How a pair of parts belongs to a manifold.
 enum Member {
     /// Its own normal agrees.
@@ -218,11 +221,13 @@ impl Patches<'_, '_> {
     fn patch(&mut self, lead: usize, depth: Depth) -> Manifold {
         let view = View::along(depth.normal);
         self.corners.clear();
+        let direction = self.pairs[lead].direction(depth.normal);
+        let along = (&depth, direction.as_ref());
         let (mut features, mut rest) = (Default::default(), 0.0f64);
         for k in 0..self.pairs.len() {
             let member = match self.open[k] {
                 true if k == lead => Some(Member::Alike(depth)),
-                true => self.member(k, &depth),
+                true => self.member(k, along),
                 false => None,
             };
             let Some(member) = member else { continue };
@@ -243,7 +248,7 @@ impl Patches<'_, '_> {
                 }
             };
             if self.corners.len() == before
-                && let Some(own) = own.or_else(|| self.alike(k, &depth))
+                && let Some(own) = own.or_else(|| self.alike(k, along))
             {
                 self.corners.add_witness(&view, &own, self.sides[0].pose.translation());
             }
@@ -260,18 +265,18 @@ impl Patches<'_, '_> {
     }
 
     /// Whether an open pair belongs to the manifold of that depth.
-    fn member(&mut self, k: usize, depth: &Depth) -> Option<Member> {
-        let along = self.pairs[k].along(depth.normal);
-        if let Some(rest) = along.rest(depth.depth, NEAR) {
+    fn member(&mut self, k: usize, along: AlongNormal<'_>) -> Option<Member> {
+        let (depth, direction) = along;
+        if let Some(rest) = self.pairs[k].along(direction).rest(depth.depth, NEAR) {
             return Some(Member::Separated(rest));
         }
-        self.alike(k, depth).map(Member::Alike)
+        self.alike(k, along).map(Member::Alike)
     }
 
     /// A pair's own depth, if its normal agrees with that one's.
-    fn alike(&mut self, k: usize, depth: &Depth) -> Option<Depth> {
+    fn alike(&mut self, k: usize, (depth, direction): AlongNormal<'_>) -> Option<Depth> {
         let pair = &self.pairs[k];
-        if !pair.along(depth.normal).may_be_within(ANGLE) {
+        if !pair.along(direction).may_be_within(ANGLE) {
             return None;
         }
         match self.how.measured(pair, self.sides, self.memory) {
