@@ -64,26 +64,31 @@ impl Curved {
     }
 
     /// Its kind.
+    #[inline]
     pub fn kind(&self) -> CurvedKind {
         self.kind
     }
 
     /// Half its height, metres.
+    #[inline]
     pub fn half_height(&self) -> f64 {
         self.half_height
     }
 
     /// The radius of its lower disc, metres.
+    #[inline]
     pub fn radius(&self) -> f64 {
         self.radii[0]
     }
 
     /// The discs whose hull it is: z and radius, from below.
+    #[inline]
     pub fn discs(&self) -> [(f64, f64); 2] {
         [(-self.half_height, self.radii[0]), (self.half_height, self.radii[1])]
     }
 
     /// The radius swept round the core, metres.
+    #[inline]
     pub fn swept_radius(&self) -> f64 {
         self.swept_radius
     }

@@ -97,17 +97,20 @@ impl Pose {
     }
 
     /// R.
+    #[inline]
     pub fn rotation(&self) -> &DMat3 {
         &self.rotation
     }
 
     /// t, in metres.
+    #[inline]
     pub fn translation(&self) -> DVec3 {
         self.translation
     }
 
     /// A bound on the ∞-norm of R·Rᵀ − I, so that every singular value of R lies within
     /// 1 ± deviation and every row's length is at most 1 + deviation.
+    #[inline]
     pub fn deviation(&self) -> f64 {
         self.deviation
     }
