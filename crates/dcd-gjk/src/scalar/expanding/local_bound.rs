@@ -108,7 +108,7 @@ impl ExpandingSearch<'_, Shape> {
 /// At most the radius of a sphere round the origin inside of what the surface and the pieces span; `None` where they do not say.
 fn local_bound(least: &Least, surface: &Surface) -> Option<f64> {
     let reach = least.reach();
-    let chords = surface.beyond(reach, least.normal)?;
+    let chords = surface.beyond(reach, least.normal, WIDEST / TO_TANGENT)?;
     let tangent = (TO_TANGENT * chords).max(NARROWEST);
     // False for NaN.
     if !(reach > 0.0 && tangent <= WIDEST) {

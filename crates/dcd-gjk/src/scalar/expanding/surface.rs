@@ -231,7 +231,7 @@ impl Surface {
         let mut least = f64::INFINITY;
         for Face { vertices, normal, .. } in self.alive() {
             let corners = self.corners(vertices);
-            if !is_inside(corners) {
+            if !is_inside_within_one(corners) {
                 return 0.0;
             }
             least = least.min(clearance(*normal, corners));
@@ -240,20 +240,23 @@ impl Surface {
     }
 
     /// How far from a unit direction others are along which the surface may not reach so far, as a sum of two chords of the unit
-    /// sphere: 0 where it does along all. `None` where the origin may be outside.
+    /// sphere: 0 where it does along all. `None` where the origin may be outside, and above a limit.
     ///
     /// Along such a direction a ray from the origin leaves by a triangle, before that reach: the plane of the triangle is nearer,
     /// and the direction no farther from its normal than where the sphere of that radius meets the plane.
-    pub(super) fn beyond(&self, reach: f64, direction: DVec3) -> Option<f64> {
+    pub(super) fn beyond(&self, reach: f64, direction: DVec3, limit: f64) -> Option<f64> {
         let mut most = 0.0f64;
         for Face { vertices, normal, .. } in self.alive() {
             let corners = self.corners(vertices);
-            if !is_inside(corners) {
+            if !is_inside_within_one(corners) {
                 return None;
             }
             let cosine = clearance(*normal, corners) / reach;
             if cosine < 1.0 {
                 most = most.max(normal.distance(direction) + (2.0 * (1.0 - cosine)).sqrt());
+                if most > limit {
+                    return None;
+                }
             }
         }
         Some(most)
@@ -331,6 +334,13 @@ pub(crate) fn is_inside(corners: [DVec3; 3]) -> bool {
         + p_abs.y * (q_abs.z * r_abs.x + q_abs.x * r_abs.z)
         + p_abs.z * (q_abs.x * r_abs.y + q_abs.y * r_abs.x);
     p.dot(q.cross(r)) > 16.0 * U * permanent + f64::MIN_POSITIVE
+}
+
+/// The same of corners whose coordinates are at most 1 but for rounding, with a first look at the determinant alone: the permanent
+/// is then at most 6.
+fn is_inside_within_one(corners: [DVec3; 3]) -> bool {
+    let [p, q, r] = corners;
+    p.dot(q.cross(r)) > 16.0 * U * 6.5 || is_inside(corners)
 }
 
 /// At most the distance of a triangle from the origin: its lowest corner along any direction. The
