@@ -81,6 +81,16 @@ pub(crate) enum Limited {
     Known(DistanceResult),
 }
 
+impl Limited {
+    /// The same seen from b.
+    pub(crate) fn mirrored(self) -> Self {
+        match self {
+            Self::Beyond => Self::Beyond,
+            Self::Known(found) => Self::Known(found.mirrored()),
+        }
+    }
+}
+
 /// The same where a distance below `far` alone matters: metres.
 pub(crate) fn nearer_than(
     (far, accuracy): (f64, Accuracy),

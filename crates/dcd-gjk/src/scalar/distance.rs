@@ -20,6 +20,7 @@ use crate::certificate::Bounds;
 use crate::closed::{self, half_space};
 use crate::exact::{self, Exact};
 use crate::gjk::Simplex;
+use crate::mesh::Limited;
 use crate::query::{Accuracy, distance_at_once};
 use crate::supports::InBlocks;
 use crate::{
@@ -119,11 +120,36 @@ pub fn distance_at(
         let found = half_space::distance_within(a, b, closed::AS_F64);
         return found.unwrap_or_else(|| distance(a, b));
     }
-    let gap = if accuracy == Accuracy::F32 { F32_GAP } else { 0.0 };
-    match to_within(gap, a, b) {
+    match to_within(gap_at(accuracy), a, b) {
         DistanceResult::Interval { .. } | DistanceResult::Undecided(_) => distance(a, b),
         found => (found, Method::F64),
     }
+}
+
+/// The same where a distance below `far` alone matters: metres. Of two cylinders or cones that is soon known.
+pub(crate) fn distance_below(
+    (accuracy, far): (Accuracy, f64),
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+) -> (Limited, Method) {
+    let limits = [gap_at(accuracy), far];
+    let found = if order::is_swapped(a, b) {
+        closed::two_curved::distance(limits, [b, a]).map(Limited::mirrored)
+    } else {
+        closed::two_curved::distance(limits, [a, b])
+    };
+    match found {
+        Some(found) => (found, Method::F64),
+        None => {
+            let (found, method) = distance_at(accuracy, a, b);
+            (Limited::Known(found), method)
+        }
+    }
+}
+
+/// How near the bounds of f64 have to come, relative to the pair's size; 0 for all that it has.
+fn gap_at(accuracy: Accuracy) -> f64 {
+    if accuracy == Accuracy::F32 { F32_GAP } else { 0.0 }
 }
 
 /// How near the bounds have to come for the accuracy of f32, relative to the pair's size. Larger: the bound
@@ -241,6 +267,11 @@ fn in_f64_in_order(gap: f64, a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceRe
             })
         }
         _ => {
+            if let Some(Limited::Known(found)) =
+                closed::two_curved::distance([gap, f64::INFINITY], [a, b])
+            {
+                return found;
+            }
             let bodies = [a, b].map(|side| PosedSupport::shape(side.shape, side.pose));
             measured(bodies[0], bodies[1], |pair, bounds, near| {
                 newton::approach(pair, bounds, (gap, [a, b]), near)

@@ -12,7 +12,7 @@ use super::scene_pairs::ScenePairs;
 use super::spheres::{self, MeasureSpheres, Near, NearPair};
 use super::{ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, PlacedSphere, distance_of_spheres, distance_within, spheres_are_beyond};
-use crate::distance::{DistanceResult, distance_at, of_apart};
+use crate::distance::{DistanceResult, distance_below, of_apart};
 use crate::mesh::Limited;
 use crate::query::{
     DistanceContacts, FEWEST_MEASURED, check_margin, distance_at_once, distance_of_mesh_within,
@@ -89,18 +89,18 @@ impl SimdDistances {
             return (Verdict::Apart, Method::F64);
         }
         let is_mesh = |shape: &Shape| matches!(shape, Shape::Mesh(_));
-        let (found, method) = match is_mesh(a.shape) || is_mesh(b.shape) {
+        // More than rounding beyond the margin.
+        let far = self.margin * (1.0 + 1e-9) + f64::MIN_POSITIVE;
+        let found = match is_mesh(a.shape) || is_mesh(b.shape) {
             true if a.shape.is_bounded() && b.shape.is_bounded() => {
-                // More than rounding beyond the margin.
-                let far = self.margin * (1.0 + 1e-9) + f64::MIN_POSITIVE;
-                match distance_of_mesh_within(self.accuracy, [a, b], far) {
-                    (Limited::Known(found), method) => (found, method),
-                    (Limited::Beyond, method) => return (Verdict::Apart, method),
-                }
+                distance_of_mesh_within(self.accuracy, [a, b], far)
             }
-            _ => distance_at(self.accuracy, a, b),
+            _ => distance_below((self.accuracy, far), a, b),
         };
-        (within_margin(found, self.margin, a, b), method)
+        match found {
+            (Limited::Known(found), method) => (within_margin(found, self.margin, a, b), method),
+            (Limited::Beyond, method) => (Verdict::Apart, method),
+        }
     }
 
     /// A pair that is apart, by what the lanes found of it.

@@ -181,7 +181,7 @@ impl Seen<'_> {
 }
 
 /// The nearest point of the core to a point of its frame: that point itself where it is inside.
-fn nearest(curved: &Curved, point: DVec3) -> DVec3 {
+pub(super) fn nearest(curved: &Curved, point: DVec3) -> DVec3 {
     let flat = point.truncate();
     let across = flat.length();
     let [(low, low_radius), (high, high_radius)] = curved.discs();

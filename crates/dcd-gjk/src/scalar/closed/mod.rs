@@ -11,14 +11,17 @@ mod cuboid_depth;
 mod cuboid_nearest;
 mod cuboids;
 pub(crate) mod curved;
+mod curved_points;
 mod gap;
 pub mod half_space;
 pub(crate) mod level;
 mod long_points;
 mod near_features;
+mod profile;
 mod segments;
 mod spheres;
 mod triangles;
+pub(crate) mod two_curved;
 mod upright_depth;
 
 use crate::epa::Depth;

@@ -18,8 +18,12 @@ fn by_search([a, b]: [PosedShape<'_>; 2]) -> Option<Distance> {
 }
 
 /// Those that are found at the accuracy of f32, whose search would end a thousand times earlier.
-fn at_once([a, b]: [PosedShape<'_>; 2]) -> Option<Distance> {
-    match distance_at(Accuracy::F32, a, b).0 {
+fn at_once(sides: [PosedShape<'_>; 2]) -> Option<Distance> {
+    found_at(Accuracy::F32, sides)
+}
+
+fn found_at(accuracy: Accuracy, [a, b]: [PosedShape<'_>; 2]) -> Option<Distance> {
+    match distance_at(accuracy, a, b).0 {
         DistanceResult::Apart(found) => Some(found),
         _ => None,
     }
@@ -56,6 +60,8 @@ fn curved_shapes_are_as_far_apart_as_the_search_finds_and_nearly_all_to_the_last
     let mut draw = Draw(31);
     for one in &KINDS[..3] {
         for other in KINDS {
+            // Of two curved shapes formulas end where the bound is good enough.
+            let limit = if KINDS[..3].contains(&other) { 1e-6 } else { 1e-14 };
             let (mut tried, mut sharp) = (0, 0);
             for k in 0..400 {
                 let shapes = [shape(&mut draw, one), shape(&mut draw, other)];
@@ -71,19 +77,19 @@ fn curved_shapes_are_as_far_apart_as_the_search_finds_and_nearly_all_to_the_last
                 assert!(between.length() < 1e-11, "{one}-{other} {k}: {found:?}");
                 tried += 1;
                 sharp +=
-                    u32::from(found.error_bound < 1e-14 * (3.0 + poses[0].translation().length()));
+                    u32::from(found.error_bound < limit * (3.0 + poses[0].translation().length()));
             }
             assert!(tried > 100 && sharp * 10 >= tried * 7, "{one}-{other}: {sharp} of {tried}");
         }
     }
 }
 
-/// The certified bound of a distance that is known, at the accuracy of f32.
+/// The certified bound of a distance that is known, at the accuracy of f64.
 fn is_sharp(shapes: [Shape; 2], there: Pose, due: f64) {
     let here = Pose::IDENTITY;
     let sides =
         [(&shapes[0], &here), (&shapes[1], &there)].map(|(shape, pose)| PosedShape { shape, pose });
-    let found = at_once(sides).unwrap();
+    let found = found_at(Accuracy::F64, sides).unwrap();
     let is_right = (found.distance - due).abs() <= found.error_bound;
     assert!(is_right && found.error_bound < 1e-13, "{found:?}, {due}");
 }
