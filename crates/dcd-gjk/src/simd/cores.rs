@@ -77,7 +77,7 @@ pub(crate) struct ObbBoundsF32 {
     pub(crate) axes: [Vec3; 3],
     /// Half the edges of the outer box, rounded up.
     pub(crate) outer: Vec3,
-    /// Half the edges of the inner box, rounded down; less than nothing of a mesh, which holds none.
+    /// Half the edges of the inner box, rounded down.
     pub(crate) inner: Vec3,
     /// Of a cuboid how its half edges compare: see [`case_of`]. [`UNKNOWN_CASE`] where that does not tell, and for others.
     pub(crate) case: f32,
@@ -182,7 +182,7 @@ impl Cores {
         let outer = (radius + near.distance(centre)) * (1.0 + 1e-9) + MOVED * mesh.reach();
         let (reach, radius) = (mesh.reach(), mesh.swept_radius());
         let core = Core { centre, outer, reach, radius, has_obb: true, ..Core::default() };
-        (core, Some(ObbBoundsF32 { inner: Vec3::NEG_INFINITY, ..ObbBoundsF32::of(&obb) }))
+        (core, Some(ObbBoundsF32::of(&obb)))
     }
 
     /// The cores of a compound's parts, neighbours beside each other: in the order of its tree.

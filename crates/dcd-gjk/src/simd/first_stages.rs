@@ -83,7 +83,7 @@ impl Entry {
         pairs: &[Pair],
         first: u32,
     ) {
-        (self.live, self.boxed, self.boxed_alone, self.marks) = (0, 0, 0, 0);
+        (self.live, self.boxed, self.marks) = (0, 0, 0);
         let packet = &mut self.packet;
         for (k, pair) in pairs.iter().enumerate() {
             let (a, b) = (frames.a.record(pair.i), frames.b.record(pair.j));
@@ -105,9 +105,9 @@ impl Entry {
             let both = a.marks & b.marks;
             self.live |= u32::from(both & T::JUDGED != 0) << k;
             self.boxed |= u32::from(both & HAS_OBB != 0) << k;
-            self.boxed_alone |= u32::from(both & (HAS_OBB | T::JUDGED) == HAS_OBB) << k;
             self.marks |= both;
         }
+        self.boxed_alone = self.boxed & !self.live;
     }
 
     /// Accepts by inner spheres and rejects by outer ones. Lanes whose size is out of range are left

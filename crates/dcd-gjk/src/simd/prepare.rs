@@ -78,6 +78,9 @@ impl Prepare<'_> {
                     let shape = self.scene.shape_of()[object] as usize;
                     let place = group * WIDTH + lane;
                     boxes[place] = turn(&cores.obbs()[shape], record, pose);
+                    if own.is_empty() {
+                        boxes[place].hold_nothing();
+                    }
                     if let Some(upright) = AxisAligned::of(&self.scene.shapes()[shape], pose) {
                         uprights[place] = upright;
                         record.marks |= AXIS_ALIGNED;
@@ -215,9 +218,7 @@ pub(super) fn turn(obb: &ObbBoundsF32, record: &Record, pose: &Pose) -> ObbRecor
         numbers.0[3 * axis..][..3].copy_from_slice(&edge.as_vec3().to_array());
         let outer = f64::from(obb.outer[axis]) + margin + f64::from(record.radius);
         numbers.0[9 + axis] = above(outer);
-        let inner = f64::from(obb.inner[axis]);
-        let shrunk = below((inner - margin).max(0.0));
-        numbers.0[12 + axis] = if inner < 0.0 { f32::NEG_INFINITY } else { shrunk };
+        numbers.0[12 + axis] = below((f64::from(obb.inner[axis]) - margin).max(0.0));
     }
     numbers.0[15] = obb.case;
     ObbRecord { numbers }
