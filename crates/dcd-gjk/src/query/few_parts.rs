@@ -236,11 +236,7 @@ impl<'a> Parts<'a> {
 /// Two shapes of which one is a compound, in the order that is one for (a, b) and (b, a); and whether that is the other.
 fn in_order<'a>(a: PosedShape<'a>, b: PosedShape<'a>) -> Option<([PosedShape<'a>; 2], bool)> {
     let is_compound = |side: PosedShape<'_>| matches!(side.shape, Shape::Compound(_));
-    if !is_compound(a) && !is_compound(b) {
-        return None;
-    }
-    let swapped = mesh::is_swapped(a, b);
-    Some((if swapped { [b, a] } else { [a, b] }, swapped))
+    (is_compound(a) || is_compound(b)).then(|| wholes_in_order([a, b]))
 }
 
 /// What is known of two parts.

@@ -176,21 +176,15 @@ impl<'a> TouchingParts<'a> {
     ) -> Option<Depth> {
         let pair = self.pair(number);
         let (sides, moved) = self.posed(pair)?;
+        let ordered = |found: Depth| if self.is_swapped { found.mirrored() } else { found };
         let given = match self.known[number].found {
             FoundParts::Nothing => None,
-            FoundParts::Depth(found) => {
-                return Some(self.framed.seen(if self.is_swapped {
-                    found.mirrored()
-                } else {
-                    found
-                }));
-            }
+            FoundParts::Depth(found) => return Some(self.framed.seen(ordered(found))),
             FoundParts::Axes(axes) => {
                 let axes = if self.is_swapped { axes.mirrored() } else { axes };
                 depth_of_cuboids(axes, sides, at)
             }
-            FoundParts::Patch(patch) => depth_of_patch(patch, self.in_order(sides))
-                .map(|found| if self.is_swapped { found.mirrored() } else { found }),
+            FoundParts::Patch(patch) => depth_of_patch(patch, self.in_order(sides)).map(ordered),
         };
         let moved_by = |found: Depth| {
             let error_bound = (found.error_bound + moved).next_up();

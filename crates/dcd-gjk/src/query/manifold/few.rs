@@ -1,8 +1,8 @@
-//! The manifolds of compounds of few parts at the accuracies of f32 and f64: from the deepest pair of parts on, each with the pairs
-//! that meet along its normal, all as they were given.
+//! The manifolds of compounds by their parts as they were given: from the deepest pair of parts on, each with the pairs that meet along
+//! its normal. Of few parts at the accuracies of f32 and f64; of more, and certified, where the lanes know which parts touch.
 //!
 //! The same manifolds as those of the parts as they are placed, to within what few_parts moves these by, which is in
-//! their bounds. Of any compounds too, at every accuracy, where the lanes know which parts touch.
+//! their bounds.
 
 use super::corners::Corners;
 use super::feature::View;
@@ -24,8 +24,8 @@ use dcd_geom::{Kind, Polytope, Shape, Vector};
 /// What the reach of two parts along a normal may be short by. Unit: u of their sizes and distance. Derived: 20.
 const REACH: f64 = 32.0 * (f64::EPSILON / 2.0);
 
-/// How much more than their compounds' poses those of parts as they were given may be off rotations for a certified manifold. Larger: wider bounds. Smaller: parts
-/// that are measured one by one as they are placed.
+/// How much more than their compounds' poses those of parts as they were given may be off rotations for a certified manifold.
+/// Larger: wider bounds. Smaller: parts that are measured one by one as they are placed.
 const TURNED: f64 = 1e-12;
 
 /// A pair of parts that touch.
@@ -54,12 +54,11 @@ enum Member {
 /// (a, b) and (b, a) give the same bits, mirrored.
 pub(super) fn write(
     at: Accuracy,
-    [a, b]: [PosedShape<'_>; 2],
+    sides: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
     set: &mut ManifoldSet,
 ) -> bool {
-    let is_swapped = mesh::is_swapped(a, b);
-    let sides = if is_swapped { [b, a] } else { [a, b] };
+    let (sides, is_swapped) = wholes_in_order(sides);
     let is_known = write_in_order(at, sides, scratch, set).is_some();
     if is_known && is_swapped {
         set.mirror();
