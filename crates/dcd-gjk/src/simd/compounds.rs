@@ -3,9 +3,11 @@
 //! So a pair of compounds is as many pairs of parts as have boxes that overlap, and these pass the
 //! stages of any pair, sixteen at a time, whichever compounds they are of.
 
+use super::bounds::TURNED;
 use super::cores::{Core, Cores};
-use super::frame::{Extremes, HAS_OBB, ObbRecord, Record};
-use super::prepare::{boxed, place, rotate, turn};
+use super::frame::{Extremes, HAS_OBB, ObbRecord, Record, WHOLE};
+use super::part_group::{PartGroup, union};
+use super::prepare::{Rotation, boxed, place, turn};
 use dcd_geom::{Aabb, Aabb16, Pose, Scene, Shape};
 use dcd_simd::{Block, Lanes, MAX_BLOCKS, WIDTH};
 
@@ -31,6 +33,8 @@ pub(super) struct Compounds {
     groups: Vec<Aabb16>,
     /// For each group the box round it.
     unions: Vec<Aabb>,
+    /// For each object whether its parts' records are of a pose that is no rotation: see [`TURNED`].
+    stretched: Vec<bool>,
 }
 
 /// The buffers for the parts of a range of objects.
@@ -43,6 +47,7 @@ pub(super) struct CompoundPart<'f> {
     pub(super) boxes: &'f mut [ObbRecord],
     groups: &'f mut [Aabb16],
     unions: &'f mut [Aabb],
+    stretched: &'f mut [bool],
 }
 
 /// The parts of an object: their records follow each other.
@@ -66,6 +71,7 @@ impl Compounds {
         self.owners.clear();
         self.groups.clear();
         self.unions.clear();
+        self.stretched.clear();
         let cores = all_cores.cores();
         let parts = |shape: u32| &cores[shape as usize];
         let count = |shape: &u32| parts(*shape).parts as usize;
@@ -74,6 +80,7 @@ impl Compounds {
         if all == records.len() || u32::try_from(all).is_err() {
             return;
         }
+        self.stretched.resize(scene.len(), false);
         let mut block = first;
         for (object, &shape) in (0..).zip(scene.shape_of()) {
             self.starts.push(self.end(records, block));
@@ -82,7 +89,7 @@ impl Compounds {
             for part in own {
                 self.owners.push((object, part.part));
                 let (record, next) = laid_out(part, block);
-                records.push(record);
+                records.push(place(&record, part, &Pose::IDENTITY));
                 block = next;
             }
             let groups = self.groups.len() + (of.parts as usize).div_ceil(WIDTH);
@@ -108,8 +115,8 @@ impl Compounds {
         blocks: &'f mut [Block],
         boxes: &'f mut [ObbRecord],
     ) -> CompoundPart<'f> {
-        let Self { starts, groups, unions, .. } = self;
-        CompoundPart { starts, records, blocks, boxes, groups, unions }
+        let Self { starts, groups, unions, stretched, .. } = self;
+        CompoundPart { starts, records, blocks, boxes, groups, unions, stretched }
     }
 
     /// The parts of an object, if it has some.
@@ -161,8 +168,10 @@ impl<'f> CompoundPart<'f> {
         let groups = (cut.group - base.group) as usize;
         let (groups, later_groups) = self.groups.split_at_mut(groups);
         let (unions, later_unions) = self.unions.split_at_mut(groups.len());
+        let (stretched, later_stretched) = self.stretched.split_at_mut(middle);
+        let starts = &self.starts[..=middle];
         (
-            Self { starts: &self.starts[..=middle], records, blocks, boxes, groups, unions },
+            Self { starts, records, blocks, boxes, groups, unions, stretched },
             Self {
                 starts: &self.starts[middle..],
                 records: later_records,
@@ -170,6 +179,7 @@ impl<'f> CompoundPart<'f> {
                 boxes: later_boxes,
                 groups: later_groups,
                 unions: later_unions,
+                stretched: later_stretched,
             },
         )
     }
@@ -192,33 +202,40 @@ impl<'f> CompoundPart<'f> {
         let mut part = (start.record - base.record) as usize;
         let last = (end.record - base.record) as usize;
         let mut blocks = &mut self.blocks[(start.block - base.block) as usize..];
+        let is_turned = whole.pose.deviation() < TURNED;
+        let was_stretched = std::mem::replace(&mut self.stretched[k], !is_turned);
+        let rotation = Rotation::of(l, whole.pose);
         let records = self.records[part..last].chunks_mut(WIDTH);
         let mut core = whole.core.first_part as usize;
+        let mut of_shape = whole.cores.groups()[whole.core.first_group as usize..].iter();
         let mut around = Aabb::EMPTY;
         for (group, records) in ((start.group - base.group) as usize..).zip(records) {
-            for (lane, record) in records.iter_mut().enumerate() {
-                let (own, others) =
-                    std::mem::take(&mut blocks).split_at_mut(usize::from(record.blocks));
-                blocks = others;
-                let boxes = self.boxes.get_mut(part + lane);
-                let found = whole.part(l, core + lane, (record, boxes), own);
-                extremes.keep(l, lane, found);
+            let boxes = self.boxes.get_mut(part..).unwrap_or_default();
+            if is_turned && was_stretched {
+                whole.place(core, records);
             }
-            let reach = extremes.of_each(l);
-            for (lane, record) in records.iter().enumerate() {
-                let aabb = match record.marks & super::frame::WHOLE {
-                    0 => whole.aabb_of(core + lane),
-                    _ => boxed(record, &reach, lane),
-                };
-                self.groups[group].set(lane, &aabb);
-            }
-            self.unions[group] = self.groups[group].union();
+            let own = Own { rotation: &rotation, core, records, boxes, blocks };
+            let (aabbs, others) = match of_shape.next() {
+                Some(group) if is_turned => whole.turned(l, group, own, extremes),
+                _ => whole.each(l, own, extremes),
+            };
+            (self.groups[group], blocks) = (aabbs, others);
+            self.unions[group] = union(l, &aabbs);
             around = around.union(&self.unions[group]);
-            core += records.len();
-            part += records.len();
+            core += WIDTH;
+            part += WIDTH;
         }
         around
     }
+}
+
+/// Of one group of parts the first one's core and what is to be written, and all blocks from its first one on.
+struct Own<'f, 'r, L: Lanes> {
+    rotation: &'r Rotation<L>,
+    core: usize,
+    records: &'r mut [Record],
+    boxes: &'r mut [ObbRecord],
+    blocks: &'f mut [Block],
 }
 
 /// A compound at a pose.
@@ -231,22 +248,95 @@ pub(super) struct Whole<'a> {
 }
 
 impl Whole<'_> {
-    /// Writes what is prepared of the part with that core, and returns how far it reaches.
+    /// Prepares a group of parts at a pose that is a rotation, of which what such poses have in common is written. Returns the parts'
+    /// AABBs, and the blocks that are left.
     #[inline(always)]
-    fn part<L: Lanes>(
+    fn turned<'f, L: Lanes>(
+        &self,
+        l: L,
+        group: &PartGroup,
+        own: Own<'f, '_, L>,
+        extremes: &mut Extremes,
+    ) -> (Aabb16, &'f mut [Block]) {
+        let Own { rotation, core, records, boxes, mut blocks } = own;
+        let placed = group.place(l, self.pose, records, boxes);
+        if group.are_boxes() && records.iter().all(|record| record.blocks == 1) {
+            let (own, others) = blocks.split_at_mut(records.len());
+            let first = self.cores.parts()[core].first as usize;
+            for (local, own) in self.cores.all_blocks()[first..].iter().zip(own) {
+                rotation.turn(l, local, own);
+            }
+            return (placed.aabbs(l), others);
+        }
+        for (lane, record) in records.iter().enumerate() {
+            let found = self.vertices(l, rotation, (core + lane, record), &mut blocks);
+            extremes.keep(l, lane, found);
+        }
+        (self.aabbs(l, core, records, extremes), blocks)
+    }
+
+    /// [`Whole::turned`] at any pose: all is written, part by part.
+    #[inline(always)]
+    fn each<'f, L: Lanes>(
+        &self,
+        l: L,
+        own: Own<'f, '_, L>,
+        extremes: &mut Extremes,
+    ) -> (Aabb16, &'f mut [Block]) {
+        let Own { rotation, core, records, boxes, mut blocks } = own;
+        self.place(core, records);
+        for (lane, record) in records.iter().enumerate() {
+            if let (true, Some(boxes)) = (record.marks & HAS_OBB != 0, boxes.get_mut(lane)) {
+                *boxes = turn(&self.cores.part_obbs()[core + lane], record, self.pose);
+            }
+            let found = self.vertices(l, rotation, (core + lane, record), &mut blocks);
+            extremes.keep(l, lane, found);
+        }
+        (self.aabbs(l, core, records, extremes), blocks)
+    }
+
+    /// Writes the records of parts from that core on.
+    fn place(&self, core: usize, records: &mut [Record]) {
+        for (record, core) in records.iter_mut().zip(&self.cores.parts()[core..]) {
+            *record = place(record, core, self.pose);
+        }
+    }
+
+    /// Writes the vertices of the part with that core into the first of the blocks, which then begin behind them, and returns how
+    /// far it reaches.
+    #[inline(always)]
+    fn vertices<L: Lanes>(
+        &self,
+        l: L,
+        rotation: &Rotation<L>,
+        (core, record): (usize, &Record),
+        blocks: &mut &mut [Block],
+    ) -> [L::F; 6] {
+        let (own, others) = std::mem::take(blocks).split_at_mut(usize::from(record.blocks));
+        *blocks = others;
+        let of = &self.cores.parts()[core];
+        rotation.turn_all(l, &self.cores.blocks(of)[..own.len()], own)
+    }
+
+    /// The AABBs of parts from how far their vertices reach.
+    #[inline(always)]
+    fn aabbs<L: Lanes>(
         &self,
         l: L,
         core: usize,
-        (record, boxes): (&mut Record, Option<&mut ObbRecord>),
-        own: &mut [Block],
-    ) -> [L::F; 6] {
-        let cores = self.cores;
-        let of = &cores.parts()[core];
-        *record = place(record, of, self.pose);
-        if let (true, Some(boxes)) = (record.marks & HAS_OBB != 0, boxes) {
-            *boxes = turn(&cores.part_obbs()[core], record, self.pose);
+        records: &[Record],
+        extremes: &Extremes,
+    ) -> Aabb16 {
+        let reach = extremes.of_each(l);
+        let mut aabbs = Aabb16::EMPTY;
+        for (lane, record) in records.iter().enumerate() {
+            let aabb = match record.marks & WHOLE {
+                0 => self.aabb_of(core + lane),
+                _ => boxed(record, &reach, lane),
+            };
+            aabbs.set(lane, &aabb);
         }
-        rotate(l, self.pose, &cores.blocks(of)[..own.len()], own)
+        aabbs
     }
 
     /// The box of the part with that core, from the part itself.

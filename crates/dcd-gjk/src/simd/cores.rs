@@ -1,6 +1,7 @@
 //! What the lanes read of a shape, in one place for all shapes of a scene.
 
 use super::inscribed::Inscribed;
+use super::part_group::PartGroup;
 use crate::query::case_of;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::{
@@ -24,7 +25,8 @@ pub(crate) struct Core {
     pub(crate) inner: f64,
     /// The radius of a sphere round the centre that holds the core, rounded up.
     pub(crate) outer: f64,
-    /// The largest distance of a vertex from the origin of the shape's own frame, rounded up.
+    /// The largest distance of a vertex from the origin of the shape's own frame, rounded up; of a part that of all its
+    /// compound's.
     pub(crate) reach: f64,
     /// The radius swept round the core.
     pub(crate) radius: f64,
@@ -47,7 +49,9 @@ pub(crate) struct Core {
     pub(crate) is_straight: bool,
     /// The first of its parts' cores in [`Cores::parts`].
     pub(crate) first_part: u32,
-    /// How many of those it has: 0 but for compounds of at most [`MAX_PARTS`] parts.
+    /// The first of their groups in [`Cores::groups`].
+    pub(crate) first_group: u32,
+    /// How many of those parts it has: 0 but for compounds of at most [`MAX_PARTS`] parts.
     pub(crate) parts: u32,
     /// Of a part its number in the compound.
     pub(crate) part: u32,
@@ -109,6 +113,8 @@ pub(crate) struct Cores {
     of: Revision,
     shapes: Column,
     parts: Column,
+    /// The same parts, sixteen of one compound at a time.
+    groups: Vec<PartGroup>,
     blocks: Vec<Block>,
 }
 
@@ -202,8 +208,23 @@ impl Cores {
             self.parts.push(Core { part: number, ..core }, obb);
         }
         let parts = self.parts.cores.len() as u32 - first_part;
+        let first_group = self.groups.len() as u32;
+        self.append_groups(first_part as usize);
         let whole = &mut self.shapes.cores[shape];
-        *whole = Core { first_part, parts, ..*whole };
+        *whole = Core { first_part, parts, first_group, ..*whole };
+    }
+
+    /// The groups of a compound's parts, which begin there. All of them count with the farthest one's reach, so that one slack is
+    /// known for all.
+    fn append_groups(&mut self, first: usize) {
+        let Column { cores, obbs } = &mut self.parts;
+        let cores = &mut cores[first..];
+        let reach = cores.iter().map(|core| core.reach).fold(0.0, f64::max);
+        cores.iter_mut().for_each(|core| core.reach = reach);
+        for (group, cores) in cores.chunks(WIDTH).enumerate() {
+            let obbs = obbs.get(first + group * WIDTH..).unwrap_or_default();
+            self.groups.push(PartGroup::of(cores, obbs));
+        }
     }
 
     /// A part as its compound has placed it.
@@ -310,6 +331,11 @@ impl Cores {
         &self.parts.cores
     }
 
+    /// [`Cores::parts`], sixteen of one compound at a time: of each one from [`Core::first_group`] on.
+    pub(crate) fn groups(&self) -> &[PartGroup] {
+        &self.groups
+    }
+
     /// For each of [`Cores::parts`] its boxes, as [`Cores::obbs`] has them.
     pub(crate) fn part_obbs(&self) -> &[ObbBoundsF32] {
         &self.parts.obbs
@@ -318,6 +344,12 @@ impl Cores {
     /// Whether any has boxes.
     pub(crate) fn have_obbs(&self) -> bool {
         !self.shapes.obbs.is_empty() || !self.parts.obbs.is_empty()
+    }
+
+    /// All vertices: those of a compound's parts follow each other.
+    #[inline]
+    pub(crate) fn all_blocks(&self) -> &[Block] {
+        &self.blocks
     }
 
     /// The vertices of a core, relative to its centre.

@@ -26,6 +26,7 @@ mod kind_order;
 mod nearest_points;
 mod obb;
 mod packet;
+mod part_group;
 mod portal;
 mod prefetch;
 pub(crate) mod prepare;

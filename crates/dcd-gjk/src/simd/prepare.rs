@@ -88,7 +88,7 @@ impl Prepare<'_> {
                 }
                 let found = match own {
                     [] => reach_of_corners(l, self.scene.shape(object), pose),
-                    _ => rotate(l, pose, &cores.blocks(core)[..own.len()], own),
+                    _ => Rotation::of(l, pose).turn_all(l, &cores.blocks(core)[..own.len()], own),
                 };
                 extremes.keep(l, lane, found);
             }
@@ -132,9 +132,10 @@ fn not_whole<L: Lanes>(
 fn reach_of_corners<L: Lanes>(l: L, shape: &Shape, pose: &Pose) -> [L::F; 6] {
     let mut all = [l.splat(f32::NEG_INFINITY); 6];
     let Shape::Mesh(mesh) = shape else { return all };
+    let rotation = Rotation::of(l, pose);
     let mut turned = [Block::default(); SOME];
     for some in mesh.all_corners().blocks.chunks(SOME) {
-        let found = rotate(l, pose, some, &mut turned);
+        let found = rotation.turn_all(l, some, &mut turned);
         for side in 0..6 {
             all[side] = l.max(all[side], found[side]);
         }
@@ -173,9 +174,7 @@ fn look_ahead(scene: &Scene, cores: &Cores, object: usize) {
 pub(super) fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
     let deviation = pose.deviation().max(TURNED);
     let stretch = 1.0 + deviation;
-    let t = pose.translation();
-    let centre = *pose.rotation() * core.centre + t;
-    let slack = CENTRE * (f64::EPSILON / 2.0) * (t.abs().max_element() + core.reach * stretch);
+    let centre = *pose.rotation() * core.centre + pose.translation();
     let tag = u16::from(record.blocks).next_power_of_two() * WIDTH as u16 - 1;
     let inner = core.inner * (1.0 - deviation) + core.radius;
     Record {
@@ -187,10 +186,18 @@ pub(super) fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
         outer: above(core.outer * stretch + core.radius),
         size: above(core.outer * stretch),
         radius: above(core.radius),
-        slack: above(slack),
+        slack: slack(core.reach, pose, stretch),
         marks: marks(record, core, pose),
         choice: above((core.outer * f64::from(tag) * CHOICE + core.excess) * stretch),
     }
+}
+
+/// What [`Record::slack`] is of a core that reaches so far, at a pose that stretches it so much at most.
+#[inline(always)]
+pub(super) fn slack(reach: f64, pose: &Pose, stretch: f64) -> f32 {
+    above(
+        CENTRE * (f64::EPSILON / 2.0) * (pose.translation().abs().max_element() + reach * stretch),
+    )
 }
 
 /// What [`place`] marks.
@@ -237,29 +244,46 @@ fn above(x: f64) -> f32 {
     if x > 0.0 { up.max(f32::MIN_POSITIVE) } else { up }
 }
 
-/// Writes R·v in f32 for every vertex, and returns the largest x, y, z, −x, −y, −z lane by lane.
-#[inline(always)]
-pub(super) fn rotate<L: Lanes>(l: L, pose: &Pose, local: &[Block], out: &mut [Block]) -> [L::F; 6] {
-    let m = pose.rotation().as_mat3();
-    let (mx, my, mz) = (spread(l, m.x_axis), spread(l, m.y_axis), spread(l, m.z_axis));
-    let lowest = l.splat(f32::NEG_INFINITY);
-    let mut extremes = [lowest; 6];
-    for (v, out) in local.iter().zip(out) {
-        let V3(x, y, z) = V3::<L>::load(l, &v.0);
-        let zero = l.splat(0.0);
-        let world = V3(zero, zero, zero).plus(l, z, mz).plus(l, y, my).plus(l, x, mx);
-        world.store(l, &mut out.0);
-        let back = world.neg(l);
-        extremes = [
-            l.max(extremes[0], world.0),
-            l.max(extremes[1], world.1),
-            l.max(extremes[2], world.2),
-            l.max(extremes[3], back.0),
-            l.max(extremes[4], back.1),
-            l.max(extremes[5], back.2),
-        ];
+/// A rotation's matrix in f32, its columns in every lane.
+pub(super) struct Rotation<L: Lanes>([V3<L>; 3]);
+
+impl<L: Lanes> Rotation<L> {
+    #[inline(always)]
+    pub(super) fn of(l: L, pose: &Pose) -> Self {
+        let m = pose.rotation().as_mat3();
+        Self([spread(l, m.x_axis), spread(l, m.y_axis), spread(l, m.z_axis)])
     }
-    extremes
+
+    /// Writes R·v in f32 for sixteen vertices.
+    #[inline(always)]
+    pub(super) fn turn(&self, l: L, local: &Block, out: &mut Block) -> V3<L> {
+        let Self([mx, my, mz]) = self;
+        let V3(x, y, z) = V3::<L>::load(l, &local.0);
+        let zero = l.splat(0.0);
+        let world = V3(zero, zero, zero).plus(l, z, *mz).plus(l, y, *my).plus(l, x, *mx);
+        world.store(l, &mut out.0);
+        world
+    }
+
+    /// [`Rotation::turn`] of every block. Returns the largest x, y, z, −x, −y, −z lane by lane.
+    #[inline(always)]
+    pub(super) fn turn_all(&self, l: L, local: &[Block], out: &mut [Block]) -> [L::F; 6] {
+        let lowest = l.splat(f32::NEG_INFINITY);
+        let mut extremes = [lowest; 6];
+        for (local, out) in local.iter().zip(out) {
+            let world = self.turn(l, local, out);
+            let back = world.neg(l);
+            extremes = [
+                l.max(extremes[0], world.0),
+                l.max(extremes[1], world.1),
+                l.max(extremes[2], world.2),
+                l.max(extremes[3], back.0),
+                l.max(extremes[4], back.1),
+                l.max(extremes[5], back.2),
+            ];
+        }
+        extremes
+    }
 }
 
 /// One vector in every lane.
