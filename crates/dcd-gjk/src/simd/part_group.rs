@@ -52,13 +52,13 @@ impl PartGroup {
         let mut group = Self { count: cores.len(), are_boxes, reach, ..Self::default() };
         for (lane, core) in cores.iter().enumerate() {
             let (half, at) = (lane / HALF, lane % HALF);
-            for (row, x) in group.centres.iter_mut().zip(core.centre.to_array()) {
-                row[half][at] = x;
+            for (row, x) in group.centres[half].iter_mut().zip(core.centre.to_array()) {
+                row[at] = x;
             }
             let Some(obb) = obbs.get(lane).filter(|_| core.has_obb) else { continue };
             for (edges, edge) in group.edges.iter_mut().zip(obb.axes) {
-                for (row, x) in edges.iter_mut().zip(edge.as_dvec3().to_array()) {
-                    row[half][at] = x;
+                for (row, x) in edges[half].iter_mut().zip(edge.as_dvec3().to_array()) {
+                    row[at] = x;
                 }
             }
             let record = place(&Record::default(), core, &Pose::IDENTITY);
@@ -89,10 +89,11 @@ impl PartGroup {
         let slack = slack(self.reach, pose, 1.0 + TURNED);
         let used = l.mask((1u32 << self.count) - 1);
         let (centres, rounded) = self.moved(l, pose);
-        let [x, y, z] = [0, 1, 2].map(|axis| centres[axis].as_flattened());
-        for (record, ((&x, &y), &z)) in records.iter_mut().zip(x.iter().zip(y).zip(z)) {
-            record.centre[..3].copy_from_slice(&[x, y, z]);
-            record.slack = slack;
+        for ([x, y, z], records) in centres.iter().zip(records.chunks_mut(HALF)) {
+            for (record, ((&x, &y), &z)) in records.iter_mut().zip(x.iter().zip(y).zip(z)) {
+                record.centre[..3].copy_from_slice(&[x, y, z]);
+                record.slack = slack;
+            }
         }
         let mut rows = [Row::default(); WIDTH];
         let mut numbers = [l.splat(0.0); 12];
@@ -118,11 +119,11 @@ impl PartGroup {
     fn moved<L: Lanes>(&self, l: L, pose: &Pose) -> (Wide, [L::F; 3]) {
         let mut moved = Wide::default();
         let translation = pose.translation().to_array();
-        for half in 0..self.count.div_ceil(HALF) {
-            let along = turned(l, pose, &self.centres, half);
+        for (moved, centres) in moved.iter_mut().zip(&self.centres).take(self.halves()) {
+            let turned = turned(l, pose, centres);
             for axis in 0..3 {
-                let centre = l.add_d(along[axis], l.splat_d(translation[axis]));
-                l.store_d(centre, &mut moved[axis][half]);
+                let centre = l.add_d(turned[axis], l.splat_d(translation[axis]));
+                l.store_d(centre, &mut moved[axis]);
             }
         }
         (moved, rounded(l, &moved))
@@ -132,28 +133,35 @@ impl PartGroup {
     #[inline(always)]
     fn turned<L: Lanes>(&self, l: L, pose: &Pose, edge: usize) -> [L::F; 3] {
         let mut wide = Wide::default();
-        for half in 0..self.count.div_ceil(HALF) {
-            let along = turned(l, pose, &self.edges[edge], half);
+        for (wide, edges) in wide.iter_mut().zip(&self.edges[edge]).take(self.halves()) {
+            let turned = turned(l, pose, edges);
             for axis in 0..3 {
-                l.store_d(along[axis], &mut wide[axis][half]);
+                l.store_d(turned[axis], &mut wide[axis]);
             }
         }
         rounded(l, &wide)
     }
+
+    /// How many halves of the lanes hold parts.
+    #[inline(always)]
+    fn halves(&self) -> usize {
+        self.count.div_ceil(HALF)
+    }
 }
 
-/// Three coordinates of sixteen vectors in f64.
-type Wide = [[[f64; HALF]; 2]; 3];
+/// Three coordinates of sixteen vectors in f64, by halves of the lanes.
+type Wide = [[[f64; HALF]; 3]; 2];
 
 #[inline(always)]
-fn rounded<L: Lanes>(l: L, [x, y, z]: &Wide) -> [L::F; 3] {
-    [l.round_from([&x[0], &x[1]]), l.round_from([&y[0], &y[1]]), l.round_from([&z[0], &z[1]])]
+fn rounded<L: Lanes>(l: L, [low, high]: &Wide) -> [L::F; 3] {
+    let [x, y, z] = low;
+    [l.round_from([x, &high[0]]), l.round_from([y, &high[1]]), l.round_from([z, &high[2]])]
 }
 
 /// R·v of half of the vectors, summed as a matrix and one vector are.
 #[inline(always)]
-fn turned<L: Lanes>(l: L, pose: &Pose, [x, y, z]: &Wide, half: usize) -> [L::D; 3] {
-    let [x, y, z] = [l.load_d(&x[half]), l.load_d(&y[half]), l.load_d(&z[half])];
+fn turned<L: Lanes>(l: L, pose: &Pose, [x, y, z]: &[[f64; HALF]; 3]) -> [L::D; 3] {
+    let [x, y, z] = [l.load_d(x), l.load_d(y), l.load_d(z)];
     let columns = pose.rotation().to_cols_array_2d();
     let mut turned = [x, y, z];
     for (axis, along) in turned.iter_mut().enumerate() {

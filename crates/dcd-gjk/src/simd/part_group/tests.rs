@@ -101,7 +101,7 @@ fn what_is_prepared_is_the_same_on_every_path_and_whatever_pose_was_before() {
         }
         let aabbs = prepare(&scene, path, &mut frame);
         assert!(bits(&frame, &aabbs) != expected, "{path:?}");
-        poses.iter().enumerate().for_each(|(k, pose)| scene.set_pose(k, pose.clone()).unwrap());
+        poses.iter().enumerate().for_each(|(k, pose)| scene.set_pose(k, *pose).unwrap());
         let aabbs = prepare(&scene, path, &mut frame);
         assert!(bits(&frame, &aabbs) == expected, "{path:?}: not as before");
     }
