@@ -207,17 +207,17 @@ impl<'f> CompoundPart<'f> {
         let rotation = Rotation::of(l, whole.pose);
         let records = self.records[part..last].chunks_mut(WIDTH);
         let mut core = whole.core.first_part as usize;
-        let mut of_shape = whole.cores.groups()[whole.core.first_group as usize..].iter();
         let mut around = Aabb::EMPTY;
-        for (group, records) in ((start.group - base.group) as usize..).zip(records) {
+        let groups = (whole.core.first_group as usize..).zip((start.group - base.group) as usize..);
+        for ((of_shape, group), records) in groups.zip(records) {
             let boxes = self.boxes.get_mut(part..).unwrap_or_default();
             if is_turned && was_stretched {
                 whole.place(core, records);
             }
             let own = Own { rotation: &rotation, core, records, boxes, blocks };
-            let (aabbs, others) = match of_shape.next() {
-                Some(group) if is_turned => whole.turned(l, group, own, extremes),
-                _ => whole.each(l, own, extremes),
+            let (aabbs, others) = match is_turned {
+                true => whole.turned(l, &whole.cores.groups().group(of_shape), own, extremes),
+                false => whole.each(l, own, extremes),
             };
             (self.groups[group], blocks) = (aabbs, others);
             self.unions[group] = union(l, &aabbs);
@@ -254,7 +254,7 @@ impl Whole<'_> {
     fn turned<'f, L: Lanes>(
         &self,
         l: L,
-        group: &PartGroup,
+        group: &PartGroup<'_>,
         own: Own<'f, '_, L>,
         extremes: &mut Extremes,
     ) -> (Aabb16, &'f mut [Block]) {
@@ -262,8 +262,7 @@ impl Whole<'_> {
         let placed = group.place(l, self.pose, records, boxes);
         if group.are_boxes() && records.iter().all(|record| record.blocks == 1) {
             let (own, others) = blocks.split_at_mut(records.len());
-            let first = self.cores.parts()[core].first as usize;
-            for (local, own) in self.cores.all_blocks()[first..].iter().zip(own) {
+            for (local, own) in self.cores.all_blocks()[group.first_block()..].iter().zip(own) {
                 rotation.turn(l, local, own);
             }
             return (placed.aabbs(l), others);

@@ -1,7 +1,7 @@
 //! What the lanes read of a shape, in one place for all shapes of a scene.
 
 use super::inscribed::Inscribed;
-use super::part_group::PartGroup;
+use super::part_group::PartGroups;
 use crate::query::case_of;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::{
@@ -114,7 +114,7 @@ pub(crate) struct Cores {
     shapes: Column,
     parts: Column,
     /// The same parts, sixteen of one compound at a time.
-    groups: Vec<PartGroup>,
+    groups: PartGroups,
     blocks: Vec<Block>,
 }
 
@@ -223,7 +223,7 @@ impl Cores {
         cores.iter_mut().for_each(|core| core.reach = reach);
         for (group, cores) in cores.chunks(WIDTH).enumerate() {
             let obbs = obbs.get(first + group * WIDTH..).unwrap_or_default();
-            self.groups.push(PartGroup::of(cores, obbs));
+            self.groups.push(cores, obbs);
         }
     }
 
@@ -332,7 +332,7 @@ impl Cores {
     }
 
     /// [`Cores::parts`], sixteen of one compound at a time: of each one from [`Core::first_group`] on.
-    pub(crate) fn groups(&self) -> &[PartGroup] {
+    pub(crate) fn groups(&self) -> &PartGroups {
         &self.groups
     }
 

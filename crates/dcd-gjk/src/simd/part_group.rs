@@ -14,22 +14,87 @@ use dcd_simd::{Lanes, Row, WIDTH};
 /// Half of the lanes, which f64 lanes have.
 const HALF: usize = WIDTH / 2;
 
-/// What does not depend on the pose, of a pose that departs from a rotation by less than [`TURNED`], coordinate by coordinate;
-/// nothing past the last part.
+/// What does not depend on the pose, of poses that depart from a rotation by less than [`TURNED`], of all groups.
+///
+/// Coordinate by coordinate, each of as many numbers as the group has parts: what is loaded past them is of no lane that is used.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PartGroup {
-    /// How many parts there are.
+pub(crate) struct PartGroups {
+    groups: Vec<Header>,
+    /// Of each group the three coordinates of [`Core::centre`], then the nine of [`ObbBoundsF32::axes`].
+    wide: Vec<f64>,
+    /// Of each group the last seven of an [`ObbRecord`]'s numbers.
+    narrow: Vec<f32>,
+}
+
+/// How many coordinates of a part are f64, and how many f32.
+const WIDE: usize = 12;
+const NARROW: usize = 7;
+
+#[derive(Clone, Copy, Debug)]
+struct Header {
+    /// How many parts there are before it in its list.
+    before: usize,
+    /// How many there are in it.
     count: usize,
     /// Whether each is a cuboid of radius 0, to what f64 rounds.
     are_boxes: bool,
     /// How far the compound's parts reach: [`Core::reach`].
     reach: f64,
-    /// [`Core::centre`].
-    centres: Wide,
-    /// [`ObbBoundsF32::axes`].
-    edges: [Wide; 3],
-    /// The last seven of an [`ObbRecord`]'s numbers.
-    constants: [Row; 7],
+    /// The first block of the first one: those of the others follow.
+    first_block: u32,
+}
+
+/// One group.
+#[derive(Clone, Copy)]
+pub(super) struct PartGroup<'a> {
+    header: &'a Header,
+    /// From its own numbers on.
+    wide: &'a [f64],
+    narrow: &'a [f32],
+}
+
+impl PartGroups {
+    /// How many groups there are.
+    pub(crate) fn len(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// Adds a group of parts with these cores and, where they have some, these boxes.
+    pub(crate) fn push(&mut self, cores: &[Core], obbs: &[ObbBoundsF32]) {
+        let boxed = |core: &Core| (core.is_box || core.is_nearly_box) && core.radius == 0.0;
+        let before = self.groups.last().map_or(0, |last| last.before + last.count);
+        let (reach, first_block) = cores.first().map_or((0.0, 0), |core| (core.reach, core.first));
+        let (count, are_boxes) = (cores.len(), cores.iter().all(boxed));
+        self.groups.push(Header { before, count, are_boxes, reach, first_block });
+        // Behind the last group's are as many as the lanes load from its last number on.
+        self.wide.resize(WIDE * (before + count) + HALF, 0.0);
+        self.narrow.resize(NARROW * (before + count) + WIDTH, 0.0);
+        let (wide, narrow) = (&mut self.wide[WIDE * before..], &mut self.narrow[NARROW * before..]);
+        for (part, core) in cores.iter().enumerate() {
+            for (row, x) in core.centre.to_array().into_iter().enumerate() {
+                wide[row * count + part] = x;
+            }
+            let Some(obb) = obbs.get(part).filter(|_| core.has_obb) else { continue };
+            let axes = obb.axes.iter().flat_map(|axis| axis.as_dvec3().to_array());
+            for (row, x) in (3..).zip(axes) {
+                wide[row * count + part] = x;
+            }
+            let record = place(&Record::default(), core, &Pose::IDENTITY);
+            let numbers = turn(obb, &record, &Pose::IDENTITY).numbers.0;
+            for (row, &x) in numbers[9..].iter().enumerate() {
+                narrow[row * count + part] = x;
+            }
+        }
+    }
+
+    /// The group with that number, which there must be.
+    #[inline(always)]
+    pub(super) fn group(&self, number: usize) -> PartGroup<'_> {
+        let header = &self.groups[number];
+        let (wide, narrow) =
+            (&self.wide[WIDE * header.before..], &self.narrow[NARROW * header.before..]);
+        PartGroup { header, wide, narrow }
+    }
 }
 
 /// Where a group of parts is.
@@ -43,37 +108,17 @@ pub(super) struct PlacedGroup<L: Lanes> {
     used: L::M,
 }
 
-impl PartGroup {
-    /// Of parts with these cores and, where they have some, these boxes.
-    pub(crate) fn of(cores: &[Core], obbs: &[ObbBoundsF32]) -> Self {
-        let boxed = |core: &Core| (core.is_box || core.is_nearly_box) && core.radius == 0.0;
-        let reach = cores.first().map_or(0.0, |core| core.reach);
-        let are_boxes = cores.iter().all(boxed);
-        let mut group = Self { count: cores.len(), are_boxes, reach, ..Self::default() };
-        for (lane, core) in cores.iter().enumerate() {
-            let (half, at) = (lane / HALF, lane % HALF);
-            for (row, x) in group.centres[half].iter_mut().zip(core.centre.to_array()) {
-                row[at] = x;
-            }
-            let Some(obb) = obbs.get(lane).filter(|_| core.has_obb) else { continue };
-            for (edges, edge) in group.edges.iter_mut().zip(obb.axes) {
-                for (row, x) in edges[half].iter_mut().zip(edge.as_dvec3().to_array()) {
-                    row[at] = x;
-                }
-            }
-            let record = place(&Record::default(), core, &Pose::IDENTITY);
-            let numbers = turn(obb, &record, &Pose::IDENTITY).numbers.0;
-            for (row, &x) in group.constants.iter_mut().zip(&numbers[9..]) {
-                row.0[lane] = x;
-            }
-        }
-        group
-    }
-
+impl PartGroup<'_> {
     /// Whether the AABBs of all of them are known without their vertices: see [`PlacedGroup::aabbs`].
     #[inline(always)]
     pub(super) fn are_boxes(&self) -> bool {
-        self.are_boxes
+        self.header.are_boxes
+    }
+
+    /// The first block of the first part's vertices: those of the others follow.
+    #[inline(always)]
+    pub(super) fn first_block(&self) -> usize {
+        self.header.first_block as usize
     }
 
     /// Writes what depends on the pose, which departs from a rotation by less than [`TURNED`]: where the parts are, as [`place`]
@@ -86,8 +131,8 @@ impl PartGroup {
         records: &mut [Record],
         boxes: &mut [ObbRecord],
     ) -> PlacedGroup<L> {
-        let slack = slack(self.reach, pose, 1.0 + TURNED);
-        let used = l.mask((1u32 << self.count) - 1);
+        let slack = slack(self.header.reach, pose, 1.0 + TURNED);
+        let used = l.mask((1u32 << self.header.count) - 1);
         let (centres, rounded) = self.moved(l, pose);
         for ([x, y, z], records) in centres.iter().zip(records.chunks_mut(HALF)) {
             for (record, ((&x, &y), &z)) in records.iter_mut().zip(x.iter().zip(y).zip(z)) {
@@ -101,14 +146,17 @@ impl PartGroup {
             let turned = self.turned(l, pose, edge);
             numbers[3 * edge..][..3].copy_from_slice(&turned);
         }
-        for (number, row) in numbers[9..].iter_mut().zip(&self.constants) {
-            *number = l.load(row);
-        }
         for (row, &number) in rows.iter_mut().zip(&numbers[..9]) {
             l.store(number, row);
         }
-        rows[9..].copy_from_slice(&self.constants);
-        for (boxes, numbers) in boxes.iter_mut().zip(l.transpose(&rows)).take(self.count) {
+        for (number, row) in rows[9..].iter_mut().enumerate() {
+            let constants = self.constants(l, number);
+            l.store(constants, row);
+            if let Some(half_edge) = numbers.get_mut(9 + number) {
+                *half_edge = constants;
+            }
+        }
+        for (boxes, numbers) in boxes.iter_mut().zip(l.transpose(&rows)).take(self.header.count) {
             l.store(numbers, &mut boxes.numbers);
         }
         PlacedGroup { centres: rounded, numbers, slack, used }
@@ -119,8 +167,8 @@ impl PartGroup {
     fn moved<L: Lanes>(&self, l: L, pose: &Pose) -> (Wide, [L::F; 3]) {
         let mut moved = Wide::default();
         let translation = pose.translation().to_array();
-        for (moved, centres) in moved.iter_mut().zip(&self.centres).take(self.halves()) {
-            let turned = turned(l, pose, centres);
+        for (half, moved) in moved.iter_mut().enumerate().take(self.halves()) {
+            let turned = self.turned_half(l, pose, (0, half));
             for axis in 0..3 {
                 let centre = l.add_d(turned[axis], l.splat_d(translation[axis]));
                 l.store_d(centre, &mut moved[axis]);
@@ -133,8 +181,8 @@ impl PartGroup {
     #[inline(always)]
     fn turned<L: Lanes>(&self, l: L, pose: &Pose, edge: usize) -> [L::F; 3] {
         let mut wide = Wide::default();
-        for (wide, edges) in wide.iter_mut().zip(&self.edges[edge]).take(self.halves()) {
-            let turned = turned(l, pose, edges);
+        for (half, wide) in wide.iter_mut().enumerate().take(self.halves()) {
+            let turned = self.turned_half(l, pose, (3 + 3 * edge, half));
             for axis in 0..3 {
                 l.store_d(turned[axis], &mut wide[axis]);
             }
@@ -142,10 +190,37 @@ impl PartGroup {
         rounded(l, &wide)
     }
 
+    /// R·v of half of the vectors whose coordinates begin with that one, summed as a matrix and one vector are.
+    #[inline(always)]
+    fn turned_half<L: Lanes>(&self, l: L, pose: &Pose, (row, half): (usize, usize)) -> [L::D; 3] {
+        let mut vector = [l.splat_d(0.0); 3];
+        for (row, coordinate) in (row..).zip(&mut vector) {
+            let at = row * self.header.count + half * HALF;
+            if let Some(numbers) = self.wide[at..].first_chunk() {
+                *coordinate = l.load_d(numbers);
+            }
+        }
+        let [x, y, z] = vector;
+        let columns = pose.rotation().to_cols_array_2d();
+        for (axis, along) in vector.iter_mut().enumerate() {
+            let [a, b, c] = [columns[0][axis], columns[1][axis], columns[2][axis]];
+            let sum = l.add_d(l.mul_d(l.splat_d(a), x), l.mul_d(l.splat_d(b), y));
+            *along = l.add_d(sum, l.mul_d(l.splat_d(c), z));
+        }
+        vector
+    }
+
+    /// The constants with that number.
+    #[inline(always)]
+    fn constants<L: Lanes>(&self, l: L, row: usize) -> L::F {
+        let numbers = self.narrow[row * self.header.count..].first_chunk();
+        numbers.map_or(l.splat(0.0), |numbers| l.load_from(numbers))
+    }
+
     /// How many halves of the lanes hold parts.
     #[inline(always)]
     fn halves(&self) -> usize {
-        self.count.div_ceil(HALF)
+        self.header.count.div_ceil(HALF)
     }
 }
 
@@ -156,20 +231,6 @@ type Wide = [[[f64; HALF]; 3]; 2];
 fn rounded<L: Lanes>(l: L, [low, high]: &Wide) -> [L::F; 3] {
     let [x, y, z] = low;
     [l.round_from([x, &high[0]]), l.round_from([y, &high[1]]), l.round_from([z, &high[2]])]
-}
-
-/// R·v of half of the vectors, summed as a matrix and one vector are.
-#[inline(always)]
-fn turned<L: Lanes>(l: L, pose: &Pose, [x, y, z]: &[[f64; HALF]; 3]) -> [L::D; 3] {
-    let [x, y, z] = [l.load_d(x), l.load_d(y), l.load_d(z)];
-    let columns = pose.rotation().to_cols_array_2d();
-    let mut turned = [x, y, z];
-    for (axis, along) in turned.iter_mut().enumerate() {
-        let [a, b, c] = [columns[0][axis], columns[1][axis], columns[2][axis]];
-        let sum = l.add_d(l.mul_d(l.splat_d(a), x), l.mul_d(l.splat_d(b), y));
-        *along = l.add_d(sum, l.mul_d(l.splat_d(c), z));
-    }
-    turned
 }
 
 /// How far the reach of an OBB, from its axes in f32, may be off: 3u a component of an axis, for the part's axes, their
