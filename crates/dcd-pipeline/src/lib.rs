@@ -25,7 +25,7 @@ pub use any::{Answer, AnyPipeline, AnyStep, Precision, Question};
 pub use batch::{BatchChecker, Candidate, Hit, Hits, LinkSet, Other, PairDecider, StaticWorld};
 pub use clock::StageClock;
 pub use dcd_broad::{BroadPhase, WideTree};
-pub use dcd_exec::{Exec, Par};
+pub use dcd_exec::{Exec, Par, Segments};
 pub use dcd_geom::{self as geom, Pose, Scene, Shape};
 pub use dcd_gjk::query::ray::{Ray, RayError, RayHit};
 pub use dcd_gjk::{NarrowPhase, Overlap};

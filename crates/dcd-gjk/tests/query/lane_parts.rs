@@ -45,6 +45,93 @@ fn a_part_whose_pose_is_hardly_off_a_rotation_is_as_deep_as_it_is() {
 }
 
 #[test]
+fn a_part_that_the_lanes_do_not_know_is_as_deep_as_it_is() {
+    // Where it is not in the compound's origin, an ellipsoid is a support map like a user's own.
+    let ellipsoid = Shape::ellipsoid(DVec3::new(0.9, 0.8, 0.7)).unwrap();
+    let part = |shape, place| (shape, Pose::from_translation(place).unwrap());
+    let small = Shape::cuboid(DVec3::splat(0.1)).unwrap();
+    let parts = vec![part(ellipsoid, DVec3::X * 1e-3), part(small, DVec3::new(0.2, 0.0, 0.25))];
+    let shapes =
+        vec![Shape::compound(parts).unwrap(), Shape::cuboid(DVec3::new(0.3, 0.3, 0.5)).unwrap()];
+    let upside_down = Pose::new(DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0), DVec3::Z * 0.8).unwrap();
+    let scene = Scene::one_each(shapes, vec![upside_down, Pose::IDENTITY]).unwrap();
+    for accuracy in ACCURACIES {
+        let one = found(&SimdDepths::new(Depths, accuracy), &scene, &all_pairs(2)).0[0].answer;
+        // The ellipsoid reaches 0.7 down from 0.8 m, the cuboid 0.5 up.
+        assert!((one.depth - 0.4).abs() <= one.error_bound + 1e-15, "{accuracy:?} {one:?}");
+        assert!(one.error_bound < 3e-6, "{accuracy:?} {one:?}");
+    }
+}
+
+/// The eight corners of a cuboid as a hull.
+fn hull(half: DVec3) -> Shape {
+    let corner = |k: u32| {
+        let sign = |axis: u32| if k >> axis & 1 == 0 { -1.0 } else { 1.0 };
+        half * DVec3::new(sign(0), sign(1), sign(2))
+    };
+    Shape::hull((0..8).map(corner).collect()).unwrap()
+}
+
+/// A table of a board and four legs, which reach 0.8 m down from it.
+fn table_on(leg: &Shape) -> Shape {
+    let place = |x: f64, y: f64, z: f64| Pose::from_translation(DVec3::new(x, y, z)).unwrap();
+    let legs = [(0.6, 0.4), (0.6, -0.4), (-0.6, 0.4), (-0.6, -0.4)]
+        .map(|(x, y)| (leg.clone(), place(x, y, 0.4)));
+    let board = (Shape::cuboid(DVec3::new(0.7, 0.5, 0.03)).unwrap(), place(0.0, 0.0, 0.83));
+    Shape::compound(legs.into_iter().chain([board]).collect()).unwrap()
+}
+
+/// How many points the manifolds of a table, 1 mm deep in the ground, have in a world that is turned so.
+fn points_of(
+    table: &Shape,
+    (ground, top): (&Shape, f64),
+    turn: DQuat,
+    accuracy: Accuracy,
+) -> usize {
+    let about = (turn * DQuat::from_rotation_z(0.4)).normalize();
+    let on = Pose::new(about, turn * DVec3::new(0.1, 0.2, -0.001)).unwrap();
+    let below = Pose::new(turn, turn * DVec3::Z * -top).unwrap();
+    let scene = Scene::one_each(vec![table.clone(), ground.clone()], vec![on, below]).unwrap();
+    let manifolds = SimdDepths::new(Manifolds::default(), accuracy);
+    let sets = found(&manifolds, &scene, &all_pairs(2)).0;
+    sets[0].answer.iter().map(|manifold| manifold.points().len()).sum()
+}
+
+#[test]
+fn every_leg_of_a_table_has_a_point_whatever_the_legs_and_the_ground_are() {
+    let corners = [(-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0)];
+    let corners = corners.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
+    let grounds = [
+        (Shape::half_space(DVec3::Z, 0.0), 0.0),
+        (Shape::mesh(corners, vec![[0, 1, 2], [0, 2, 3]]), 0.0),
+        (Shape::cuboid(DVec3::new(5.0, 5.0, 0.5)), 0.5),
+        (Ok(hull(DVec3::new(5.0, 5.0, 0.5))), 0.5),
+    ];
+    let legs = [
+        Shape::cylinder(0.4, 0.05),
+        Shape::cone(0.4, 0.05),
+        Shape::ellipsoid(DVec3::new(0.05, 0.05, 0.4)),
+        Shape::sphere(0.4),
+        Ok(hull(DVec3::new(0.05, 0.05, 0.4))),
+        Shape::cuboid(DVec3::new(0.05, 0.05, 0.4)),
+    ];
+    let legs = legs.map(Result::unwrap);
+    for (number, (ground, top)) in grounds.into_iter().enumerate() {
+        let ground = ground.unwrap();
+        for (leg, accuracy) in legs.iter().flat_map(|leg| ACCURACIES.map(|at| (leg, at))) {
+            let table = table_on(leg);
+            for k in 0..12 {
+                let turn =
+                    DQuat::from_scaled_axis(DVec3::new(0.3, 0.7, -0.2) * f64::from(k / 2 * k));
+                let found = points_of(&table, (&ground, top), turn.normalize(), accuracy);
+                let said = format!("{k} {accuracy:?}: {found} of {leg:?} on {number}");
+                assert!(found >= 3, "{said}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_table_stands_on_four_legs_at_every_accuracy() {
     let leg = |x: f64, y: f64| {
         let place = DVec3::new(0.45 * x, 0.45 * y, 0.25);

@@ -26,12 +26,21 @@ pub(super) struct Corners {
     of_triangles: triangle_clip::Points,
     /// How large the shapes are.
     size: f64,
+    /// How large the parts are, whether they have features to be seen or none.
+    noted: f64,
 }
 
 impl Corners {
+    /// Notes how large two parts are: of those without features, as curved ones, the witnesses alone are corners.
+    pub(super) fn note(&mut self, sides: [PosedShape<'_>; 2]) {
+        let bounded = sides.iter().filter(|side| side.shape.is_bounded());
+        self.noted = self.noted.max(bounded.map(|side| 2.0 * side.shape.reach()).sum());
+    }
+
     pub(super) fn clear(&mut self) {
         self.corners.clear();
         self.size = 0.0;
+        self.noted = 0.0;
     }
 
     pub(super) fn len(&self) -> usize {
@@ -297,6 +306,10 @@ impl Corners {
         found: &mut Manifold,
     ) -> [Option<u32>; 4] {
         let mut pairs = [None; 4];
+        if self.size == 0.0 && self.corners.len() > 1 {
+            // Several parts, none with features to be seen: each has its witnesses.
+            self.size = self.noted;
+        }
         if self.size == 0.0 {
             write_one_point(depth, features, found);
             found.error_bound = (bound_of(depth, 0.0, [a, b]) + missed(depth)).min(f64::MAX);
@@ -304,8 +317,10 @@ impl Corners {
         }
         drop_doubles(&mut self.corners, self.size);
         let error_bound = bound_of(depth, self.size, [a, b]);
+        // A depth in f32 is off the corners', which are in f64, by up to its bound.
+        let short = depth.depth - self.deepest_after(0);
         // False for NaN, which numbers near the end of their range make.
-        let stands_for_all = self.deepest_after(0) >= depth.depth - self.tolerance();
+        let stands_for_all = short <= self.tolerance() + depth.error_bound;
         let kept = reduce::to_four(&self.corners, self.tolerance()).filter(|_| stands_for_all);
         let Some((kept, count)) = kept else {
             write_one_point(depth, features, found);
@@ -317,7 +332,8 @@ impl Corners {
         for (pair, &k) in pairs.iter_mut().zip(&kept[..count]) {
             let corner = &self.corners[k];
             *pair = Some(corner.pair);
-            off_surface = off_surface.max(corner.off_surface(depth.depth));
+            let above = (corner.depth() - depth.depth).max(0.0);
+            off_surface = off_surface.max(corner.off_surface(depth.depth) + above);
             let [point_a, point_b] = view.in_world(corner.at, corner.heights);
             found.points.push(ManifoldPoint {
                 point_a: point_a + origin,
@@ -329,7 +345,7 @@ impl Corners {
         }
         found.points[0].depth = depth.depth;
         found.normal = depth.normal;
-        found.error_bound = (error_bound + off_surface).min(f64::MAX);
+        found.error_bound = (error_bound + off_surface + short.max(0.0)).min(f64::MAX);
         pairs
     }
 }

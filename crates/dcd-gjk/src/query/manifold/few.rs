@@ -305,6 +305,7 @@ impl<P: Parts> Patches<'_, P> {
         (own, posed): (&Depth, [PosedShape<'_>; 2]),
     ) -> [Feature; 2] {
         let before = self.corners.len();
+        self.corners.note(posed);
         // The planes of half-spaces are the pair's own; what is seen is seen along the deepest's normal.
         let seen = Depth { normal: depth.normal, ..*own };
         let whole = match posed.iter().all(|side| side.shape.is_bounded()) {
@@ -313,7 +314,9 @@ impl<P: Parts> Patches<'_, P> {
         };
         let from = posed[0].pose.translation() - self.framed.sides()[0].pose.translation();
         self.corners.shift(before, view.of(from));
-        if self.corners.deepest_after(before) > depth.depth + self.corners.tolerance() {
+        if self.corners.deepest_after(before)
+            > depth.depth + self.corners.tolerance() + depth.error_bound
+        {
             self.corners.truncate(before);
         }
         whole

@@ -231,15 +231,17 @@ impl Clipping<'_> {
         let places = &places[..count];
         let tolerance = SAME * self.size;
         let Some((kept, count)) = reduce::to_four(places, tolerance) else { return false };
+        // A depth in f32 is off the corners', which are in f64, by up to its bound.
+        let short = depth.depth - places[kept[0]].depth;
         // False for NaN, which numbers near the end of their range make.
-        if !(places[kept[0]].depth >= depth.depth - tolerance) {
+        if !(short <= tolerance + depth.error_bound) {
             return false;
         }
         let leans = |side: &Side<'_>| side.polytope.swept_radius() * (1.0 - side.level).max(0.0);
         let inside = leans(self.clips).max(leans(self.clipped));
         let shallowest = kept[..count].iter().map(|&k| places[k].depth).fold(depth.depth, f64::min);
         let off_surface = inside.min((depth.depth - shallowest).max(0.0));
-        let error_bound = (error_bound + off_surface).min(f64::MAX);
+        let error_bound = (error_bound + off_surface + short.abs()).min(f64::MAX);
         let corners =
             PlacedCorners { clipping: self, list, base, origin, whole: self.whole(), radii };
         let deepest = Point { depth: depth.depth, ..corners.point(&places[kept[0]], depth) };

@@ -298,6 +298,7 @@ impl Patches<'_, '_> {
         }
         let [a, b] = self.sides;
         let Some(sides) = pair.posed(a, b) else { return Default::default() };
+        self.corners.note(sides);
         // The planes of half-spaces are the pair's own; what is seen is seen along the deepest's normal.
         let is_bounded = sides.iter().all(|side| side.shape.is_bounded());
         let of_plane = match is_bounded {
@@ -314,7 +315,9 @@ impl Patches<'_, '_> {
 
     /// Takes the corners behind the first so many away if one is deeper than the deepest.
     fn drop_if_deeper(&mut self, before: usize, depth: &Depth) {
-        if self.corners.deepest_after(before) > depth.depth + self.corners.tolerance() {
+        if self.corners.deepest_after(before)
+            > depth.depth + self.corners.tolerance() + depth.error_bound
+        {
             self.corners.truncate(before);
         }
     }

@@ -167,14 +167,18 @@ impl OfParts {
     }
 }
 
-/// The spheres in two parts and round them.
+/// The spheres in two parts and round them: none in and one without end round a part that the lanes do not know.
 #[inline(always)]
 fn spheres(frames: FramePair<'_>, records: Pair) -> PartSpheres {
     let (a, b) = (frames.a.record(records.i), frames.b.record(records.j));
     let centre = |record: &Record| DVec3::from_slice(&record.centre[..3]);
+    let between = centre(b) - centre(a);
+    if a.blocks == 0 || b.blocks == 0 {
+        return PartSpheres { between, inner: f64::NEG_INFINITY, outer: f64::INFINITY };
+    }
     let slack = f64::from(a.slack) + f64::from(b.slack);
     PartSpheres {
-        between: centre(b) - centre(a),
+        between,
         inner: f64::from(a.inner) + f64::from(b.inner) - 2.0 * slack,
         outer: f64::from(a.outer) + f64::from(b.outer) + 2.0 * slack,
     }

@@ -155,8 +155,10 @@ impl<'a> Shown<'a> {
     fn write(&self, lane: usize, packet: &Packet, writer: &mut impl PatchWriter) {
         let FoundPair { found: FoundDepth { depth, .. }, sides, .. } = self.pair;
         let (size, kept) = (self.size(), &packet.kept);
+        // A depth in f32 is off the corners', which are in f64, by up to its bound.
+        let short = depth.depth - kept.depths[0][lane];
         // False for NaN, which numbers near the end of their range make.
-        if !(kept.depths[0][lane] >= depth.depth - SAME * size) {
+        if !(short <= SAME * size + depth.error_bound) {
             return self.write_witnesses(writer);
         }
         let count = (kept.count[lane] as usize).clamp(1, 4);
@@ -166,7 +168,8 @@ impl<'a> Shown<'a> {
             shallowest = shallowest.min(depths[lane]);
         }
         let off_surface = self.inside().min((depth.depth - shallowest).max(0.0));
-        let error_bound = (bound_of(depth, size, *sides) + off_surface).min(f64::MAX);
+        let error_bound = bound_of(depth, size, *sides) + off_surface + short.abs();
+        let error_bound = error_bound.min(f64::MAX);
         let deepest = Point { depth: depth.depth, ..placed.point(0) };
         writer.begin(depth.normal, error_bound, deepest);
         for k in 1..count {
