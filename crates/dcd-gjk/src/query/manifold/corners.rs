@@ -251,7 +251,7 @@ impl Corners {
         if !facing.has_corners {
             return Some(whole);
         }
-        let most = depth.depth + self.tolerance();
+        let most = depth.depth + self.tolerance() + depth.error_bound;
         let added = facing.outline.as_ref().and_then(|body| {
             let (points, corners_found) = (&mut self.of_triangles, &mut self.corners);
             let how = (view, radii, most);
