@@ -148,3 +148,44 @@ fn depths_of_compounds_whose_parts_are_equally_deep_are_mirrored() {
     }
     assert!(touching.iter().all(|&count| count > 100), "{touching:?}");
 }
+
+#[test]
+fn compounds_whose_deepest_parts_are_one_sphere_are_mirrored() {
+    let part = |shape, place| (shape, Pose::from_translation(place).unwrap());
+    let ball = part(Shape::sphere(3.0).unwrap(), DVec3::ZERO);
+    let brick =
+        part(Shape::cuboid(DVec3::new(1.0, 0.1, 0.01)).unwrap(), DVec3::new(-1.0, 1.0, -1.0));
+    let shape = Shape::compound(vec![brick, ball]).unwrap();
+    let place = DVec3::new(0.5, 0.5, -1.0);
+    for k in 0..60u8 {
+        let angle = [1e-6, 1e-3, 1.0][usize::from(k) % 3];
+        let turn = DQuat::from_scaled_axis(DVec3::new(0.3, -1.1, 0.7) * f64::from(k));
+        let other = DQuat::from_scaled_axis(DVec3::new(1.0, 0.2, 0.5) * angle) * turn;
+        let objects =
+            [turn, other].map(|turn| Object::new(0, Pose::new(turn.normalize(), place).unwrap()));
+        let scenes = in_both_orders(vec![shape.clone()], objects.to_vec());
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            let said = format!("{k} {accuracy:?}");
+            let depths = SimdDepths::new(Depths, accuracy);
+            let [one, other] =
+                scenes.each_ref().map(|scene| found(&depths, scene, &all_pairs(2)).0);
+            let (one, other) = (one[0].answer, other[0].answer);
+            assert_eq!(one.normal, -other.normal, "{said}");
+            assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a), "{said}");
+            let manifolds = SimdDepths::new(Manifolds::default(), accuracy);
+            let both = scenes.each_ref().map(|scene| found(&manifolds, scene, &all_pairs(2)).0);
+            let [one, other] = both.each_ref().map(|found| &found[0].answer);
+            assert_eq!(one.len(), other.len(), "{said}");
+            for (one, other) in one.iter().zip(other.iter()) {
+                assert_eq!(one.normal, -other.normal, "{said}");
+                for (one, other) in one.points().iter().zip(other.points()) {
+                    assert_eq!(
+                        (one.point_a, one.point_b),
+                        (other.point_b, other.point_a),
+                        "{said}"
+                    );
+                }
+            }
+        }
+    }
+}
