@@ -150,19 +150,24 @@ fn depths_of_compounds_whose_parts_are_equally_deep_are_mirrored() {
 }
 
 #[test]
-fn compounds_whose_deepest_parts_are_one_sphere_are_mirrored() {
+fn compounds_whose_deepest_parts_are_spheres_are_mirrored() {
     let part = |shape, place| (shape, Pose::from_translation(place).unwrap());
     let ball = part(Shape::sphere(3.0).unwrap(), DVec3::ZERO);
     let brick =
         part(Shape::cuboid(DVec3::new(1.0, 0.1, 0.01)).unwrap(), DVec3::new(-1.0, 1.0, -1.0));
-    let shape = Shape::compound(vec![brick, ball]).unwrap();
-    let place = DVec3::new(0.5, 0.5, -1.0);
+    let spike = part(Shape::cone(0.5, 0.5).unwrap(), DVec3::ZERO);
+    let block = part(Shape::cuboid(DVec3::new(1.0, 0.5, 0.5)).unwrap(), DVec3::new(1.0, -1.0, 1.0));
+    let pin = part(Shape::cylinder(0.0025, 0.005).unwrap(), DVec3::new(-0.5, 1.5, -1.0));
+    let shape = Shape::compound(vec![brick, spike, block, ball, pin]).unwrap();
+    // Equally high, so that a zero of the normal has the same sign in both orders; or at one place.
+    let places = [DVec3::new(0.5, 0.5, -1.0), DVec3::new(0.0, -0.5, -1.0)];
     for k in 0..60u8 {
         let angle = [1e-6, 1e-3, 1.0][usize::from(k) % 3];
         let turn = DQuat::from_scaled_axis(DVec3::new(0.3, -1.1, 0.7) * f64::from(k));
         let other = DQuat::from_scaled_axis(DVec3::new(1.0, 0.2, 0.5) * angle) * turn;
-        let objects =
-            [turn, other].map(|turn| Object::new(0, Pose::new(turn.normalize(), place).unwrap()));
+        let object =
+            |turn: DQuat, place| Object::new(0, Pose::new(turn.normalize(), place).unwrap());
+        let objects = [object(turn, places[0]), object(other, places[usize::from(k % 2)])];
         let scenes = in_both_orders(vec![shape.clone()], objects.to_vec());
         for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
             let said = format!("{k} {accuracy:?}");

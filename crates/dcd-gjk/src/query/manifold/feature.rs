@@ -53,7 +53,8 @@ pub(super) struct Point {
 
 impl View {
     pub(super) fn along(normal: DVec3) -> Self {
-        let (x, y) = normal.any_orthonormal_pair();
+        // The other order's normal may differ in the sign of a zero, which would turn the plane.
+        let (x, y) = (normal + DVec3::ZERO).any_orthonormal_pair();
         Self { x, y, normal }
     }
 
