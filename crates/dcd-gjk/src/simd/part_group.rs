@@ -26,13 +26,16 @@ pub(crate) struct PartGroups {
     narrow: Vec<f32>,
 }
 
-/// How many coordinates of a part are f64, and how many f32.
+/// How many numbers of a part are f64.
 const WIDE: usize = 12;
+
+/// How many are f32.
 const NARROW: usize = 7;
 
+/// What is known of a group beside the numbers of its parts.
 #[derive(Clone, Copy, Debug)]
 struct Header {
-    /// How many parts there are before it in its list.
+    /// How many parts the groups before it have.
     before: usize,
     /// How many there are in it.
     count: usize,

@@ -47,13 +47,23 @@ impl Corners {
         self.corners.len()
     }
 
-    pub(super) fn truncate(&mut self, count: usize) {
-        self.corners.truncate(count);
+    /// The depth of the deepest corner behind the first so many.
+    fn deepest_after(&self, count: usize) -> f64 {
+        self.corners[count..].iter().map(Corner::depth).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The depth of the deepest corner behind the first so many.
-    pub(super) fn deepest_after(&self, count: usize) -> f64 {
-        self.corners[count..].iter().map(Corner::depth).fold(f64::NEG_INFINITY, f64::max)
+    /// How deep a corner of a manifold of that depth may be: a depth in f32 is off the corners', which are in f64, by up to its
+    /// bound.
+    fn deepest_of(&self, depth: &Depth) -> f64 {
+        depth.depth + self.tolerance() + depth.error_bound
+    }
+
+    /// Takes the corners behind the first so many away if one is deeper than those of a manifold of that depth: such parts meet
+    /// along another normal.
+    pub(super) fn drop_if_deeper(&mut self, count: usize, depth: &Depth) {
+        if self.deepest_after(count) > self.deepest_of(depth) {
+            self.corners.truncate(count);
+        }
     }
 
     /// How large the shapes are whose corners these are: metres.
@@ -251,7 +261,7 @@ impl Corners {
         if !facing.has_corners {
             return Some(whole);
         }
-        let most = depth.depth + self.tolerance() + depth.error_bound;
+        let most = self.deepest_of(depth);
         let added = facing.outline.as_ref().and_then(|body| {
             let (points, corners_found) = (&mut self.of_triangles, &mut self.corners);
             let how = (view, radii, most);
@@ -263,9 +273,7 @@ impl Corners {
             let triangle = view.seen_triangle(part, &placed, (corners, radii[0]));
             let seen = view.seen(facing.polytope, &facing.placed);
             self.add_shared(&triangle, &seen, radii);
-            if self.deepest_after(before) > most {
-                self.truncate(before);
-            }
+            self.drop_if_deeper(before, depth);
         }
         Some(whole)
     }

@@ -314,11 +314,7 @@ impl<P: Parts> Patches<'_, P> {
         };
         let from = posed[0].pose.translation() - self.framed.sides()[0].pose.translation();
         self.corners.shift(before, view.of(from));
-        if self.corners.deepest_after(before)
-            > depth.depth + self.corners.tolerance() + depth.error_bound
-        {
-            self.corners.truncate(before);
-        }
+        self.corners.drop_if_deeper(before, depth);
         whole
     }
 

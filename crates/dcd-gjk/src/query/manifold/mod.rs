@@ -143,8 +143,9 @@ impl Manifold {
 /// Of compounds and meshes the touching pairs of parts are grouped, from the deepest on: a manifold is about the
 /// parts whose own normals agree with the deepest's within 1e-3 rad, and those that its normal and depth separate too.
 /// So every two parts that touch meet along the normal of a manifold, or come apart when the objects are moved by its
-/// depth and bound along its normal; curved and rounded ones a little later, as their [`Depth`] says. The first manifold is that of the pair's [`Depths`]; at [`Accuracy::F32`], of a mesh
-/// and a polytope, or a compound of few, and of two cuboids in a scene, to within the bounds of both.
+/// depth and bound along its normal; curved and rounded ones a little later, as their [`Depth`] says. The first manifold
+/// is that of the pair's [`Depths`]; at [`Accuracy::F32`], of a mesh and a polytope, or a compound of few, and of two cuboids
+/// in a scene, to within the bounds of both.
 ///
 /// ```
 /// use dcd_gjk::query::{ManifoldOptions, MeshEdges, MeshSides};

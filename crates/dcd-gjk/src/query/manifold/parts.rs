@@ -293,7 +293,7 @@ impl Patches<'_, '_> {
         if let Some([of_a, of_b]) = &pair.triangles(self.sides)
             && let Some(whole) = self.corners.add_triangles(view, [of_a, of_b])
         {
-            self.drop_if_deeper(before, depth);
+            self.corners.drop_if_deeper(before, depth);
             return whole;
         }
         let [a, b] = self.sides;
@@ -309,16 +309,7 @@ impl Patches<'_, '_> {
             },
         };
         let whole = self.corners.add(view, &Depth { normal: depth.normal, ..of_plane }, sides);
-        self.drop_if_deeper(before, depth);
+        self.corners.drop_if_deeper(before, depth);
         whole
-    }
-
-    /// Takes the corners behind the first so many away if one is deeper than the deepest.
-    fn drop_if_deeper(&mut self, before: usize, depth: &Depth) {
-        if self.corners.deepest_after(before)
-            > depth.depth + self.corners.tolerance() + depth.error_bound
-        {
-            self.corners.truncate(before);
-        }
     }
 }
