@@ -8,9 +8,11 @@
 #![forbid(unsafe_code)]
 
 mod binary;
+mod bins;
 pub mod contract;
 mod paper;
 mod sample_sort;
+mod tiles;
 mod tree;
 mod visit;
 mod wide;

@@ -1,40 +1,45 @@
-//! Partitions keys into ordered pieces of like count, without sorting them.
+//! Partitions centres along the first axis into ordered pieces of like count, without sorting them.
 
+use crate::bins::{self, Centre, Intervals, cut};
 use dcd_exec::Exec;
 use dcd_geom::Splittable;
 
-/// The most keys that are partitioned without the pool: some tens of microseconds of work.
+/// The most centres that are partitioned without the pool: some tens of microseconds of work.
 pub(crate) const PARTED_AT_ONCE: usize = 4096;
 
-/// How many keys a task deals: some microseconds of work.
-const KEYS_PER_TASK: usize = 2048;
+/// How many centres a task deals: some microseconds of work.
+const CENTRES_PER_TASK: usize = 2048;
+
+/// Along that axis.
+const AXIS: usize = 0;
 
 /// Into how many piles at most: tasks for many workers, and few enough that what a task deals to
 /// each is a run of some length. A power of two.
 const PILES: usize = 128;
 
-/// About how many keys a pile has where there are fewer. Smaller: more splitters, which are serial
+/// About how many centres a pile has where there are fewer. Smaller: more splitters, which are serial
 /// work while others fall asleep. Larger: fewer tasks.
-const KEYS_PER_PILE: usize = 512;
+const CENTRES_PER_PILE: usize = 512;
 
-/// How many keys are looked at for each splitter. Smaller: piles of unlike size. Larger: longer
+/// How many centres are looked at for each splitter. Smaller: piles of unlike size. Larger: longer
 /// serial work.
 const SAMPLES: usize = 2;
 
-/// Deals keys into piles by sampled splitters, as a sample sort does (W. Frazer and A. McKellar,
+/// Into how many intervals the splitters are sorted. More: memory. Fewer: centres that are compared with a splitter.
+const INTERVALS: usize = 1024;
+
+/// Deals centres into piles by sampled splitters, as a sample sort does (W. Frazer and A. McKellar,
 /// 1970), and cuts a pile only where a piece ends within it. Keeps its memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SampleSort {
-    /// The keys of each task, pile by pile.
-    dealt: Vec<u64>,
-    /// For each task where its keys for each pile end.
+    /// For each task where its centres for each pile end.
     ends: Vec<Ends>,
-    /// Where the piles end among all keys.
+    /// Where the piles end among all centres.
     piles: Vec<usize>,
-    samples: Vec<u64>,
+    samples: Vec<Centre>,
 }
 
-/// One task's keys for each pile end there.
+/// One task's centres for each pile end there.
 #[derive(Clone, Copy, Debug)]
 struct Ends([u16; PILES]);
 
@@ -45,74 +50,70 @@ impl Default for Ends {
 }
 
 impl SampleSort {
-    /// Fills the list with `key(0)`, `key(1)`, …, no two alike, in pieces of `piece`, each above the
-    /// one before; the order within a piece is none in particular, and the same whatever `exec` is.
-    /// O(n) for pieces of about a pile's size.
+    /// Fills the first list with `centre(0)`, `centre(1)`, …, in pieces of `piece`, each above the one before; the order
+    /// within a piece is none in particular, and the same whatever `exec` is. The second list is as long, and what is in it
+    /// is lost. O(n) for pieces of about a pile's size.
     pub(crate) fn part(
         &mut self,
         exec: Exec,
-        (keys, piece): (&mut [u64], usize),
-        key: impl Fn(usize) -> u64 + Sync,
+        (centres, dealt): (&mut [Centre], &mut [Centre]),
+        piece: usize,
+        centre: impl Fn(usize) -> Centre + Sync,
     ) {
-        if keys.len() <= PARTED_AT_ONCE {
-            keys.iter_mut().zip(0..).for_each(|(k, i)| *k = key(i));
-            return cut(keys, 0, piece);
+        if centres.len() <= PARTED_AT_ONCE {
+            dealt.iter_mut().zip(0..).for_each(|(to, i)| *to = centre(i));
+            return bins::part::<AXIS>(dealt, centres, piece);
         }
-        let (splitters, piles) = self.split(keys.len(), &key);
-        self.deal(exec, (keys, piles), |pile, i| {
-            *pile = key(i);
-            splitters.pile_of(*pile)
+        let (splitters, piles) = self.split(centres.len(), &centre);
+        self.deal(exec, (&mut *centres, &mut *dealt), piles, |i| {
+            let centre = centre(i);
+            (centre, splitters.pile_of(&centre))
         });
-        let Self { dealt, ends, piles, .. } = &*self;
-        let whole = Piles { keys, ends: piles, first: 0 };
-        exec.divide(whole, 1, |pile, Piles { keys, first, .. }| {
-            gather(dealt, ends, pile, keys);
-            cut(keys, first, piece);
+        let Self { ends, piles, .. } = &*self;
+        let dealt = &*dealt;
+        let whole = Piles { centres, ends: piles, first: 0 };
+        exec.divide(whole, 1, |pile, Piles { centres, first, .. }| {
+            gather(dealt, ends, pile, centres);
+            cut::<AXIS>(centres, first, piece);
         });
     }
 
-    /// Splitters that make piles of like size of so many keys, and how many piles.
-    fn split(&mut self, count: usize, key: impl Fn(usize) -> u64) -> (Splitters, usize) {
-        let piles = (count / KEYS_PER_PILE).next_power_of_two().min(PILES);
+    /// Splitters that make piles of like size of so many centres, and how many piles.
+    fn split(&mut self, count: usize, centre: impl Fn(usize) -> Centre) -> (Splitters, usize) {
+        let piles = (count / CENTRES_PER_PILE).next_power_of_two().min(PILES);
         let samples = SAMPLES * piles;
         self.samples.clear();
-        self.samples.extend((0..samples).map(|k| key(k * count / samples)));
-        self.samples.sort_unstable();
-        let mut above = [u64::MAX; PILES];
-        for (splitter, sample) in above.iter_mut().zip(self.samples.chunks(SAMPLES).skip(1)) {
-            *splitter = sample[0];
-        }
-        (Splitters(above), piles)
+        self.samples.extend((0..samples).map(|k| centre(k * count / samples)));
+        self.samples.sort_unstable_by_key(Centre::key::<AXIS>);
+        (Splitters::new(self.samples.iter().step_by(SAMPLES).skip(1)), piles)
     }
 
-    /// Deals each task's keys to so many piles, and records where those end. `make` writes a key and
-    /// says its pile.
+    /// Deals each task's centres to so many piles, and records where those end. `make` makes a centre and says its pile.
     fn deal(
         &mut self,
         exec: Exec,
-        (keys, piles): (&mut [u64], usize),
-        make: impl Fn(&mut u64, usize) -> usize + Sync,
+        rows: (&mut [Centre], &mut [Centre]),
+        piles: usize,
+        make: impl Fn(usize) -> (Centre, usize) + Sync,
     ) {
-        self.dealt.resize(keys.len(), 0);
-        self.ends.resize(keys.len().div_ceil(KEYS_PER_TASK), Ends::default());
-        let rows = (keys, &mut self.dealt[..]);
+        self.ends.resize(rows.0.len().div_ceil(CENTRES_PER_TASK), Ends::default());
         let each = Chunks { rows, ends: &mut self.ends };
-        exec.divide(each, 1, |task, Chunks { rows: (keys, dealt), ends }| {
-            let mut pile_of = [0u8; KEYS_PER_TASK];
+        exec.divide(each, 1, |task, Chunks { rows: (centres, dealt), ends }| {
+            let mut pile_of = [0u8; CENTRES_PER_TASK];
             let mut next = [0u16; PILES];
-            let first = task * KEYS_PER_TASK;
-            for (k, (key, pile)) in keys.iter_mut().zip(&mut pile_of).enumerate() {
-                let at = make(key, first + k) % PILES;
-                *pile = at as u8;
-                next[at] += 1;
+            let first = task * CENTRES_PER_TASK;
+            for (k, (centre, pile)) in centres.iter_mut().zip(&mut pile_of).enumerate() {
+                let (made, at) = make(first + k);
+                (*centre, *pile) = (made, at as u8);
+                next[at % PILES] += 1;
             }
             let mut start = 0;
             for next in &mut next {
                 (*next, start) = (start, start + *next);
             }
-            for (&key, &pile) in keys.iter().zip(&pile_of) {
+            for (centre, &pile) in centres.iter().zip(&pile_of) {
                 let next = &mut next[usize::from(pile) % PILES];
-                dealt[usize::from(*next)] = key;
+                dealt[usize::from(*next)] = *centre;
                 *next += 1;
             }
             ends[0] = Ends(next);
@@ -125,28 +126,51 @@ impl SampleSort {
     }
 }
 
-/// The least key that is above each pile, ascending; from the last pile on above all keys.
-struct Splitters([u64; PILES]);
+/// The least key that is above each pile but the last, ascending, and in which interval each is.
+struct Splitters {
+    above: [u64; PILES],
+    /// How many are in the intervals before each one. An interval is as wide as the others, but without end at both ends.
+    before: [u8; INTERVALS + 1],
+    intervals: Intervals,
+}
 
 impl Splitters {
-    /// How many splitters are not above the key: by halving, as often whatever the number of piles,
-    /// so that the loop is unrolled and has no branch.
-    #[inline]
-    fn pile_of(&self, key: u64) -> usize {
-        let mut pile = 0;
-        let mut step = PILES / 2;
-        while step > 0 {
-            pile += step * usize::from(self.0[(pile + step - 1) % PILES] <= key);
-            step /= 2;
+    /// Fewer than [`PILES`], ascending.
+    fn new<'a>(splitters: impl ExactSizeIterator<Item = &'a Centre> + Clone) -> Self {
+        let at = |splitter: Option<&Centre>| splitter.map_or(0.0, Centre::at::<AXIS>);
+        let (low, high) = (at(splitters.clone().next()), at(splitters.clone().last()));
+        let intervals = Intervals::between(low, high, INTERVALS);
+        let (mut above, mut before) = ([u64::MAX; PILES], [0; INTERVALS + 1]);
+        for (above, splitter) in above.iter_mut().zip(splitters) {
+            *above = splitter.key::<AXIS>();
+            before[intervals.of(splitter.at::<AXIS>()) + 1] += 1;
         }
-        pile
+        let mut sum = 0;
+        for before in &mut before {
+            sum += *before;
+            *before = sum;
+        }
+        Self { above, before, intervals }
+    }
+
+    /// How many splitters are not above the centre. Those in the intervals before its own are not, those in the intervals behind
+    /// are: only those in the same one are compared.
+    #[inline(always)]
+    fn pile_of(&self, centre: &Centre) -> usize {
+        let interval = self.intervals.of(centre.at::<AXIS>()) % INTERVALS;
+        let [first, end] = [self.before[interval], self.before[interval + 1]].map(usize::from);
+        if first == end {
+            return first;
+        }
+        let key = centre.key::<AXIS>();
+        first + self.above[first..end].partition_point(|&above| above <= key)
     }
 }
 
 /// Brings together what the tasks dealt to a pile, in the order of the tasks.
-fn gather(dealt: &[u64], ends: &[Ends], pile: usize, keys: &mut [u64]) {
-    let mut to = keys;
-    for (Ends(ends), dealt) in ends.iter().zip(dealt.chunks(KEYS_PER_TASK)) {
+fn gather(dealt: &[Centre], ends: &[Ends], pile: usize, centres: &mut [Centre]) {
+    let mut to = centres;
+    for (Ends(ends), dealt) in ends.iter().zip(dealt.chunks(CENTRES_PER_TASK)) {
         let start = pile.checked_sub(1).map_or(0, |before| usize::from(ends[before]));
         let from = &dealt[start..usize::from(ends[pile])];
         let (here, rest) = to.split_at_mut(from.len());
@@ -155,22 +179,9 @@ fn gather(dealt: &[u64], ends: &[Ends], pile: usize, keys: &mut [u64]) {
     }
 }
 
-/// Moves keys into pieces of that many, each above the one before. The keys are some of a longer
-/// list's, from its `first` on, where the pieces are counted from that list's beginning.
-pub(crate) fn cut(keys: &mut [u64], first: usize, piece: usize) {
-    let (before, end) = (first / piece, (first + keys.len()).saturating_sub(1) / piece);
-    if before < end {
-        let middle = (before + end).div_ceil(2) * piece - first;
-        keys.select_nth_unstable(middle);
-        let (left, right) = keys.split_at_mut(middle);
-        cut(left, first, piece);
-        cut(right, first + middle, piece);
-    }
-}
-
-/// What each task deals: [`KEYS_PER_TASK`] keys, their copies in piles and where those end.
+/// What each task deals: [`CENTRES_PER_TASK`] centres, their copies in piles and where those end.
 struct Chunks<'a> {
-    rows: (&'a mut [u64], &'a mut [u64]),
+    rows: (&'a mut [Centre], &'a mut [Centre]),
     ends: &'a mut [Ends],
 }
 
@@ -180,7 +191,7 @@ impl Splittable for Chunks<'_> {
     }
 
     fn split_at(self, middle: usize) -> (Self, Self) {
-        let (left, right) = self.rows.split_at(middle * KEYS_PER_TASK);
+        let (left, right) = self.rows.split_at(middle * CENTRES_PER_TASK);
         let (left_ends, right_ends) = self.ends.split_at_mut(middle);
         (Self { rows: left, ends: left_ends }, Self { rows: right, ends: right_ends })
     }
@@ -188,8 +199,8 @@ impl Splittable for Chunks<'_> {
 
 /// Some piles, one after the other.
 struct Piles<'a> {
-    keys: &'a mut [u64],
-    /// Where each ends among all keys.
+    centres: &'a mut [Centre],
+    /// Where each ends among all centres.
     ends: &'a [usize],
     /// Where the first begins.
     first: usize,
@@ -203,51 +214,53 @@ impl Splittable for Piles<'_> {
     fn split_at(self, middle: usize) -> (Self, Self) {
         let (left_ends, right_ends) = self.ends.split_at(middle);
         let end = left_ends.last().map_or(self.first, |&end| end);
-        let (left, right) = self.keys.split_at_mut(end - self.first);
-        let left = Self { keys: left, ends: left_ends, first: self.first };
-        (left, Self { keys: right, ends: right_ends, first: end })
+        let (left, right) = self.centres.split_at_mut(end - self.first);
+        let left = Self { centres: left, ends: left_ends, first: self.first };
+        (left, Self { centres: right, ends: right_ends, first: end })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bins::tests::{SPREADS, centres};
     use dcd_exec::Par;
-
-    /// Keys in an order that looks like none, with few values above the number.
-    fn scattered(i: usize, values: u64) -> u64 {
-        ((i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) % values) << 32 | i as u64
-    }
 
     #[test]
     fn pieces_hold_what_a_sort_would_put_there() {
         for count in [1, 16, 4096, 4097, 9000, 50_000, 90_000] {
             for piece in [16, 300, 5000, 60_000] {
-                for values in [1, 3, 1 << 30] {
-                    let mut sorted: Vec<u64> = (0..count).map(|i| scattered(i, values)).collect();
+                for spread in SPREADS {
+                    let made = centres(count, spread);
+                    let mut sorted: Vec<u64> = made.iter().map(Centre::key::<AXIS>).collect();
                     sorted.sort_unstable();
                     let mut parted = [Par::Serial, Par::Pool].map(|par| {
-                        let mut keys = vec![0; count];
-                        let key = |i| scattered(i, values);
-                        SampleSort::default().part(par.into(), (&mut keys, piece), key);
-                        keys
+                        let mut lists = [(); 2].map(|()| vec![Centre::default(); count]);
+                        let [centres, dealt] = &mut lists;
+                        let rows = (&mut centres[..], &mut dealt[..]);
+                        SampleSort::default().part(par.into(), rows, piece, |i| made[i]);
+                        centres.iter().map(Centre::key::<AXIS>).collect::<Vec<_>>()
                     });
-                    assert_eq!(parted[0], parted[1], "{count} {piece} {values}");
+                    assert_eq!(parted[0], parted[1], "{count} {piece} {spread:?}");
                     parted[0].chunks_mut(piece).for_each(<[u64]>::sort_unstable);
-                    assert!(parted[0] == sorted, "{count} {piece} {values}");
+                    assert!(parted[0] == sorted, "{count} {piece} {spread:?}");
                 }
             }
         }
     }
 
     #[test]
-    fn a_key_goes_to_the_pile_after_all_splitters_that_are_not_above_it() {
-        for piles in [1, 2, 16, PILES] {
-            let limit = |k: usize| if k + 1 < piles { 10 * k as u64 + 5 } else { u64::MAX };
-            let splitters = Splitters(std::array::from_fn(limit));
-            for key in 0..10 * PILES as u64 {
-                let plain = splitters.0.iter().filter(|&&above| above <= key).count();
-                assert_eq!(splitters.pile_of(key), plain, "{piles} {key}");
+    fn a_centre_goes_to_the_pile_after_all_splitters_that_are_not_above_it() {
+        for count in [0, 1, 15, PILES - 1] {
+            for spread in SPREADS {
+                let mut splitters = centres(count, spread);
+                splitters.sort_unstable_by_key(Centre::key::<AXIS>);
+                let found = Splitters::new(splitters.iter());
+                for centre in centres(3000, spread).iter().chain(&splitters) {
+                    let is_above = |s: &&Centre| s.key::<AXIS>() <= centre.key::<AXIS>();
+                    let plain = splitters.iter().filter(is_above).count();
+                    assert_eq!(found.pile_of(centre), plain, "{count} {spread:?} {centre:?}");
+                }
             }
         }
     }

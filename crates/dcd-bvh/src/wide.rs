@@ -1,6 +1,7 @@
 //! The fast tree: sixteen AABBs a node, no pointers.
 
-use crate::sample_sort::{PARTED_AT_ONCE, SampleSort, cut};
+use crate::bins::Centre;
+use crate::tiles::Tiles;
 use crate::{BoundingTree, BuildTree, Node, NodeContent};
 use dcd_exec::Exec;
 use dcd_geom::{Aabb, Aabb16};
@@ -29,8 +30,7 @@ pub struct WideBvh {
     leaves: Vec<Aabb16>,
     ids: Vec<IndexRow>,
     levels: Vec<Vec<Aabb16>>,
-    order: Vec<u64>,
-    sample_sort: SampleSort,
+    tiles: Tiles,
     /// 0, 1, 2, … for every leaf and node: what the trait's slices of children are cut from.
     numbers: Vec<u32>,
     count: usize,
@@ -95,38 +95,8 @@ impl WideBvh {
     /// not depend on `exec`. O(n log n).
     pub fn build(&mut self, aabbs: &[Aabb], exec: Exec) {
         self.count = aabbs.len();
-        self.sort_tiles(aabbs, exec);
+        self.tiles.sort(aabbs, WIDTH, exec);
         self.refit(aabbs, exec);
-    }
-
-    /// Sorts the AABBs by tiles of their centres: slabs of like count in x, strips of each slab in
-    /// y, and z within a strip (sort-tile-recursive; S. Leutenegger et al., 1997). Each key's lower
-    /// half is the AABB's index, which makes keys unique and so the order that of the AABBs alone.
-    fn sort_tiles(&mut self, aabbs: &[Aabb], exec: Exec) {
-        let Self { order, sample_sort, .. } = self;
-        let key = |i: u64, axis: usize| {
-            ordered(aabbs[i as u32 as usize].centre()[axis]) << 32 | i & 0xffff_ffff
-        };
-        order.resize(aabbs.len(), 0);
-        if aabbs.len() <= WIDTH {
-            // One leaf: there is nothing to keep apart.
-            return order.iter_mut().zip(0..).for_each(|(k, i)| *k = i);
-        }
-        let exec = exec.serial_below(aabbs.len(), PARTED_AT_ONCE);
-        let leaves = aabbs.len().div_ceil(WIDTH);
-        let across = (leaves as f64).cbrt().ceil().max(1.0) as usize;
-        let strip = leaves.div_ceil(across * across).max(1) * WIDTH;
-        let slab = strip * across;
-        sample_sort.part(exec, (order, slab), |i| key(i as u64, 0));
-        exec.divide(&mut order[..], slab, |_, keys| {
-            keys.iter_mut().for_each(|k| *k = key(*k, 1));
-            cut(keys, 0, strip);
-        });
-        // Tasks of their own: there are few slabs.
-        exec.divide(&mut order[..], strip, |_, keys| {
-            keys.iter_mut().for_each(|k| *k = key(*k, 2));
-            keys.sort_unstable();
-        });
     }
 
     /// Takes in moved AABBs, as many as before, and keeps the order of the leaves. O(n).
@@ -134,16 +104,15 @@ impl WideBvh {
         let leaves = self.count.div_ceil(WIDTH);
         self.leaves.resize(leaves, Aabb16::EMPTY);
         self.ids.resize(leaves, IndexRow::default());
-        let order = &self.order;
+        let order = self.tiles.order();
         let rows = (&mut self.leaves[..], &mut self.ids[..]);
         exec.divide(rows, NODES_PER_TASK, |first, (leaves, ids)| {
             let members = order[first * WIDTH..].chunks(WIDTH);
             for ((leaf, ids), members) in leaves.iter_mut().zip(ids).zip(members) {
                 (*leaf, *ids) = (Aabb16::EMPTY, IndexRow::default());
-                for (k, &key) in members.iter().enumerate() {
-                    // The key's lower half is the AABB's index.
-                    ids.0[k] = key as u32;
-                    leaf.set(k, &aabbs[key as u32 as usize]);
+                for (k, number) in members.iter().map(Centre::number).enumerate() {
+                    ids.0[k] = number;
+                    leaf.set(k, &aabbs[number as usize]);
                 }
             }
         });
@@ -229,12 +198,6 @@ impl WideBvh {
             right
         }) && seen.iter().all(|&seen| seen)
     }
-}
-
-/// The bits of x, in the order of the numbers.
-fn ordered(x: f32) -> u64 {
-    let bits = x.to_bits();
-    u64::from(if bits >> 31 == 1 { !bits } else { bits | 1 << 31 })
 }
 
 #[cfg(test)]

@@ -98,7 +98,7 @@ impl Kernel for SelfPairSearch<'_> {
         let mut queues = Queues::default();
         let mut stack = Stack::default();
         for from in self.leaves.clone() {
-            let around = self.tree.leaves()[from].union();
+            let around = self.tree.levels()[0][from / WIDTH].get(from % WIDTH);
             self.within(l, from, &mut queues.hits);
             if let Some(top) = self.tree.levels().len().checked_sub(1) {
                 stack.push((top, 0));
