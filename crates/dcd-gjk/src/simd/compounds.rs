@@ -5,7 +5,7 @@
 
 use super::bounds::TURNED;
 use super::cores::{Core, Cores};
-use super::frame::{Extremes, HAS_OBB, ObbRecord, Record, WHOLE};
+use super::frame::{Extremes, HAS_OBB, LIVE, ObbRecord, Record, WHOLE};
 use super::part_group::{PartGroup, union};
 use super::prepare::{Rotation, boxed, place, turn};
 use dcd_geom::{Aabb, Aabb16, Pose, Scene, Shape};
@@ -59,13 +59,13 @@ pub(super) struct Members<'f> {
 }
 
 impl Compounds {
-    /// Extends the records and blocks behind the objects' own, and writes where each part's blocks are.
+    /// Extends the records and blocks behind the objects' own, and writes where each part's blocks are, or that it needs none:
+    /// see [`Form::CuboidParts`](super::form::Form::CuboidParts).
     pub(super) fn set_offsets(
         &mut self,
-        scene: &Scene,
-        all_cores: &Cores,
+        (scene, all_cores): (&Scene, &Cores),
         records: &mut Vec<Record>,
-        first: u32,
+        (first, have_vertices): (u32, bool),
     ) {
         self.starts.clear();
         self.owners.clear();
@@ -88,7 +88,10 @@ impl Compounds {
             let own = &all_cores.parts()[of.first_part as usize..][..of.parts as usize];
             for part in own {
                 self.owners.push((object, part.part));
-                let (record, next) = laid_out(part, block);
+                let (record, next) = match have_vertices {
+                    true => laid_out(part, block),
+                    false => (Record { first: block, marks: LIVE, ..Record::default() }, block),
+                };
                 records.push(place(&record, part, &Pose::IDENTITY));
                 block = next;
             }
@@ -260,8 +263,10 @@ impl Whole<'_> {
     ) -> (Aabb16, &'f mut [Block]) {
         let Own { rotation, core, records, boxes, mut blocks } = own;
         let placed = group.place(l, self.pose, records, boxes);
-        if group.are_boxes() && records.iter().all(|record| record.blocks == 1) {
-            let (own, others) = blocks.split_at_mut(records.len());
+        // One each, or none.
+        let of_all = records.iter().map(|record| usize::from(record.blocks)).sum::<usize>();
+        if group.are_boxes() && (of_all == records.len() || of_all == 0) {
+            let (own, others) = blocks.split_at_mut(of_all);
             for (local, own) in self.cores.all_blocks()[group.first_block()..].iter().zip(own) {
                 rotation.turn(l, local, own);
             }
@@ -329,9 +334,10 @@ impl Whole<'_> {
         let reach = extremes.of_each(l);
         let mut aabbs = Aabb16::EMPTY;
         for (lane, record) in records.iter().enumerate() {
-            let aabb = match record.marks & WHOLE {
-                0 => self.aabb_of(core + lane),
-                _ => boxed(record, &reach, lane),
+            let is_of_vertices = record.marks & WHOLE != 0 && record.blocks > 0;
+            let aabb = match is_of_vertices {
+                false => self.aabb_of(core + lane),
+                true => boxed(record, &reach, lane),
             };
             aabbs.set(lane, &aabb);
         }

@@ -6,6 +6,7 @@ mod sorted;
 
 use super::certificate::GapBounds;
 use super::closed::nearest_features as of_cuboids;
+use super::form::Purpose;
 use super::frame::{FramePair, SimdFrame};
 use super::nearest_points::{Found, NearestPoints};
 use super::scene_pairs::ScenePairs;
@@ -331,7 +332,7 @@ impl NarrowPhase for SimdDistances {
     }
 
     fn layout<'f>(&self, scene: &Scene, sides: Sides, frame: &'f mut SimdFrame) -> Part<'f> {
-        frame.layout(scene, sides)
+        frame.layout(scene, sides, Purpose::Measure)
     }
 
     fn keeps(&self, part: &Part<'_>) -> bool {

@@ -2,12 +2,13 @@
 
 use super::axis_aligned::AxisAligned;
 use super::compounds::{CompoundPart, Compounds, Members, laid_out};
-use super::cores::{Core, Cores, is_sphere};
+use super::cores::{Core, Cores};
+use super::form::{Form, Purpose};
 use super::prepare::constants;
 use crate::Sides;
 use crate::closed::PlacedSphere;
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Kind, Pair, Revision, Scene, Shape, Splittable};
+use dcd_geom::{Pair, Revision, Scene, Shape, Splittable};
 use dcd_simd::{Block, Lanes, Row, WIDTH, prefetch};
 
 /// All objects, ready for the lanes.
@@ -30,7 +31,7 @@ pub struct SimdFrame {
     uprights: Vec<AxisAligned>,
     compounds: Compounds,
     /// What the offsets are for.
-    layout: Option<(Revision, Sides)>,
+    layout: Option<(Revision, Sides, Purpose)>,
     /// Lent to the first part that has an object.
     extremes: Box<Extremes>,
 }
@@ -59,33 +60,6 @@ impl Extremes {
             l.store(l.largest_of_each(&rows[side]), &mut reach[side]);
         }
         reach
-    }
-}
-
-/// What the objects of a scene have in common, and so what must be prepared of them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Form {
-    /// Nothing: every polytope has its vertices.
-    #[default]
-    Any,
-    /// All are spheres, and marked as [`SPHERE`]: [`super::spheres`] resolves their pairs.
-    Spheres,
-    /// All are cuboids of radius 0: the sphere and OBB tests resolve their pairs.
-    Cuboids,
-}
-
-impl Form {
-    fn of(shapes: &[Shape]) -> Self {
-        let spheres = |shape: &Shape| shape.as_polytope().is_some_and(is_sphere);
-        let kind = |shape: &Shape| shape.as_polytope().map(|p| (p.kind(), p.swept_radius()));
-        let cuboids = |shape| matches!(kind(shape), Some((Kind::Cuboid { .. }, 0.0)));
-        if shapes.iter().all(spheres) {
-            Self::Spheres
-        } else if shapes.iter().all(cuboids) {
-            Self::Cuboids
-        } else {
-            Self::Any
-        }
     }
 }
 
@@ -277,11 +251,11 @@ pub struct Part<'f> {
 impl SimdFrame {
     /// Assigns offsets only; does nothing where the scene's layout and the sides are those of the
     /// last step.
-    pub(crate) fn layout(&mut self, scene: &Scene, sides: Sides) -> Part<'_> {
-        let layout = Some((scene.layout(), sides));
+    pub(crate) fn layout(&mut self, scene: &Scene, sides: Sides, purpose: Purpose) -> Part<'_> {
+        let layout = Some((scene.layout(), sides, purpose));
         let kept = self.layout == layout;
         if !kept {
-            self.set_offsets(scene, sides);
+            self.set_offsets(scene, sides, purpose);
             self.layout = layout;
         }
         let Self { cores, form, records, blocks, boxes, uprights, compounds, extremes, .. } = self;
@@ -308,11 +282,11 @@ impl SimdFrame {
         }
     }
 
-    fn set_offsets(&mut self, scene: &Scene, sides: Sides) {
+    fn set_offsets(&mut self, scene: &Scene, sides: Sides, purpose: Purpose) {
         self.cores.follow(scene);
         let (cores, parts) = (self.cores.cores(), self.cores.parts());
         self.form = match sides {
-            Sides::One => Form::of(scene.shapes()),
+            Sides::One => Form::of(scene.shapes(), &self.cores, purpose),
             Sides::Two => Form::Any,
         };
         let mut all = cores.iter().chain(parts);
@@ -324,17 +298,19 @@ impl SimdFrame {
         let may_stand = cores.iter().chain(parts).any(|core| core.is_box);
         self.uprights.resize(if may_stand { scene.len() } else { 0 }, AxisAligned::default());
         let mut first = 0u32;
-        if self.form == Form::Any {
+        let is_any = matches!(self.form, Form::Any | Form::CuboidParts);
+        if is_any {
             for (record, &shape) in self.records.iter_mut().zip(scene.shape_of()) {
                 (*record, first) = laid_out(&cores[shape as usize], first);
             }
         }
-        self.compounds.set_offsets(scene, &self.cores, &mut self.records, first);
+        let has_vertices = self.has_vertices();
+        self.compounds.set_offsets((scene, &self.cores), &mut self.records, (first, has_vertices));
         let boxed = self.cores.have_obbs();
         self.boxes.resize(if boxed { self.records.len() } else { 0 }, ObbRecord::default());
         let blocks = self.compounds.blocks().unwrap_or(first);
         self.blocks.resize(blocks as usize, Block::default());
-        if self.form != Form::Any {
+        if !is_any {
             constants(scene, &self.cores, &mut self.records, &mut self.boxes);
         }
     }
@@ -407,7 +383,7 @@ impl SimdFrame {
     fn is_near(&self) -> bool {
         match self.form {
             Form::Any => size_of_val(&*self.blocks) <= NEAR,
-            Form::Spheres | Form::Cuboids => {
+            Form::Spheres | Form::Cuboids | Form::CuboidParts => {
                 size_of_val(&*self.records) + size_of_val(&*self.boxes) <= NEAR_RECORDS
             }
         }

@@ -19,6 +19,7 @@ mod depths;
 mod distances;
 mod expand;
 mod first_stages;
+mod form;
 pub(crate) mod frame;
 mod inscribed;
 mod kept_proofs;
@@ -49,6 +50,7 @@ pub use decide::Scratch;
 pub use depths::SimdDepths;
 pub(crate) use depths::depth_of_cuboids;
 pub use distances::SimdDistances;
+pub(crate) use form::Purpose;
 pub use frame::{Part, SimdFrame};
 
 use crate::{
@@ -117,7 +119,7 @@ impl<T: ErrorBounds> NarrowPhase for SimdOverlap<T> {
     }
 
     fn layout<'f>(&self, scene: &Scene, sides: Sides, frame: &'f mut SimdFrame) -> Part<'f> {
-        frame.layout(scene, sides)
+        frame.layout(scene, sides, Purpose::Decide)
     }
 
     fn keeps(&self, part: &Part<'_>) -> bool {

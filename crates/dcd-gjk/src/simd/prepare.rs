@@ -10,8 +10,9 @@ use super::axis_aligned::AxisAligned;
 use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
 use super::compounds::{CompoundPart, Whole};
 use super::cores::{Core, Cores, ObbBoundsF32};
+use super::form::Form;
 use super::frame::{
-    AXIS_ALIGNED, BOX, Extremes, Form, HAS_OBB, LIVE, NEARLY_BOX, ObbRecord, Part, Record, SPHERE,
+    AXIS_ALIGNED, BOX, Extremes, HAS_OBB, LIVE, NEARLY_BOX, ObbRecord, Part, Record, SPHERE,
     STRAIGHT_CORE, WHOLE,
 };
 use super::vector::V3;
@@ -39,7 +40,7 @@ impl Kernel for Prepare<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         match self.part.form {
-            Form::Any => self.any(l),
+            Form::Any | Form::CuboidParts => self.any(l),
             Form::Spheres => self.spheres(),
             Form::Cuboids => self.cuboids(),
         }
@@ -205,13 +206,15 @@ pub(super) fn slack(reach: f64, pose: &Pose, stretch: f64) -> f32 {
 fn marks(record: &Record, core: &Core, pose: &Pose) -> u8 {
     let marked = |holds: bool, mark: u8| if holds { mark } else { 0 };
     let boxed = core.has_obb && pose.deviation() < TURNED;
+    // What needs no vertices has none, and is marked already.
+    let is_live = record.blocks > 0 || record.marks & LIVE != 0;
     marked(boxed, HAS_OBB)
         | marked(boxed && core.is_box && core.radius == 0.0, BOX)
         | marked(boxed && core.is_nearly_box && core.radius == 0.0, NEARLY_BOX)
         | marked(core.is_sphere, SPHERE)
         | marked(record.blocks > 0 && core.is_straight, STRAIGHT_CORE)
-        | marked(record.blocks > 0, LIVE)
-        | marked(record.blocks > 0 && core.excess == 0.0, WHOLE)
+        | marked(is_live, LIVE)
+        | marked(is_live && core.excess == 0.0, WHOLE)
 }
 
 /// The boxes of a shape at a pose. What the matrix departs from a rotation by makes the boxes of the

@@ -8,7 +8,7 @@ mod track;
 use crate::simd::axis::Axis;
 use crate::simd::certificate::{CertifiedBounds, ClearanceBounds, ErrorBounds};
 use crate::simd::decide::{self, Slice};
-use crate::simd::{append_contacts, frame, prepare};
+use crate::simd::{Purpose, append_contacts, frame, prepare};
 use crate::{ContactSink, Method, NarrowPhase, Prepared, Report, Sides};
 use dcd_geom::{Aabb, Pair, Revision, Scene, Splittable};
 use dcd_simd::Path;
@@ -210,7 +210,7 @@ impl NarrowPhase for Coherent {
         let dense = frame.facts.are_dense();
         Part {
             restless: if dense { RESTLESS } else { RESTLESS_IF_SPARSE },
-            lanes: frame.lanes.layout(scene, sides),
+            lanes: frame.lanes.layout(scene, sides, Purpose::Measure),
             kept: same_shapes,
             tracks: &mut frame.tracks,
             ways: frame.facts.ways_mut(),

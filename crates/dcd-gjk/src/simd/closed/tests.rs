@@ -8,6 +8,7 @@ use super::patches;
 use crate::closed::{Axes, cuboid_depth, cuboid_depth_along};
 use crate::distance::distance;
 use crate::query::{Feature, Manifold, ManifoldContacts, Manifolds, MeasureAt, MeasureDepth};
+use crate::simd::Purpose;
 use crate::{
     Accuracy, ContactList, Depths, DistanceResult, PosedShape, PosedSupport, Sides, Verdict,
 };
@@ -63,7 +64,7 @@ fn pairs_of_cuboids(seed: u64, count: usize, scale: f64) -> Scene {
 fn prepared(scene: &Scene) -> SimdFrame {
     let mut frame = SimdFrame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
-    let part = frame.layout(scene, Sides::One);
+    let part = frame.layout(scene, Sides::One, Purpose::Measure);
     let objects = prepare::Prepare { scene, first: 0, part, aabbs: &mut aabbs };
     prepare::prepare(Path::best(), objects);
     frame

@@ -21,6 +21,7 @@ mod vectors;
 pub(super) use vectors::vertex;
 
 use super::closed::{depths as of_cuboids, patches};
+use super::form::Purpose;
 use super::frame::{FramePair, SimdFrame};
 use super::kind_order::KindOrder;
 use super::scene_pairs::ScenePairs;
@@ -229,7 +230,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
     }
 
     fn layout<'f>(&self, scene: &Scene, sides: Sides, frame: &'f mut SimdFrame) -> Part<'f> {
-        frame.layout(scene, sides)
+        frame.layout(scene, sides, Purpose::Measure)
     }
 
     fn keeps(&self, part: &Part<'_>) -> bool {

@@ -7,6 +7,7 @@ use super::*;
 use crate::distance::distance;
 use crate::motion::tests::Draw;
 use crate::query::MeasureAt;
+use crate::simd::Purpose;
 use crate::{Accuracy, Depths, DistanceResult, PosedShape, Sides, Verdict, certified};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Aabb, Polytope, Pose, Scene, Shape};
@@ -88,7 +89,7 @@ fn what_is_proved_of_straight_cores_is_true_on_every_path_and_little_is_left_ope
         let scene = scene(seed, 3000, scale);
         let mut frame = SimdFrame::default();
         let mut aabbs = vec![Aabb::default(); scene.len()];
-        let part = frame.layout(&scene, Sides::One);
+        let part = frame.layout(&scene, Sides::One, Purpose::Measure);
         let objects = prepare::Prepare { scene: &scene, first: 0, part, aabbs: &mut aabbs };
         prepare::prepare(Path::best(), objects);
         let frames = FramePair::of_one(&frame);

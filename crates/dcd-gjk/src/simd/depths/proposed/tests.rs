@@ -10,6 +10,7 @@ use super::*;
 use crate::epa::{self, Depth};
 use crate::motion::tests::Draw;
 use crate::query::FoundDepth;
+use crate::simd::Purpose;
 use crate::simd::frame::SimdFrame;
 use crate::{Accuracy, PosedSupport, Sides};
 use dcd_geom::glam::{DQuat, DVec3};
@@ -47,7 +48,7 @@ pub(in super::super) fn proposed(
     pairs: &[Pair],
 ) -> Vec<Option<Proposal>> {
     let (mut frame, mut aabbs) = (SimdFrame::default(), vec![Aabb::default(); scene.len()]);
-    let part = frame.layout(scene, Sides::One);
+    let part = frame.layout(scene, Sides::One, Purpose::Measure);
     prepare(path, Prepare { scene, first: 0, part, aabbs: &mut aabbs });
     let (mut scratch, mut found) = (SupportScratch::default(), Vec::new());
     let frames = FramePair::of_one(&frame);
@@ -150,7 +151,7 @@ fn searched(
     accuracy: Accuracy,
 ) -> Vec<Option<Depth>> {
     let (mut frame, mut aabbs) = (SimdFrame::default(), vec![Aabb::default(); scene.len()]);
-    let part = frame.layout(scene, Sides::One);
+    let part = frame.layout(scene, Sides::One, Purpose::Measure);
     let path = Path::best();
     prepare(path, Prepare { scene, first: 0, part, aabbs: &mut aabbs });
     let frames = FramePair::of_one(&frame);

@@ -4,6 +4,7 @@ use super::super::super::prepare::{Prepare, prepare};
 use super::super::confirm::{SearchedPair, Side};
 use super::*;
 use crate::motion::tests::Draw;
+use crate::simd::Purpose;
 use crate::{PosedShape, Sides, Verdict, certified};
 use dcd_geom::glam::DQuat;
 use dcd_geom::{Aabb, Object, Pose, Scene, Shape, SupportMap};
@@ -46,7 +47,7 @@ fn scenes(draw: &mut Draw, count: usize) -> [Scene; 2] {
 
 fn prepared(scene: &Scene) -> SimdFrame {
     let (mut frame, mut aabbs) = (SimdFrame::default(), vec![Aabb::default(); scene.len()]);
-    let part = frame.layout(scene, Sides::One);
+    let part = frame.layout(scene, Sides::One, Purpose::Measure);
     prepare(Path::best(), Prepare { scene, first: 0, part, aabbs: &mut aabbs });
     frame
 }

@@ -1,0 +1,55 @@
+//! What the objects of a scene have in common, and so what must be prepared of them.
+
+use super::cores::{Core, Cores, is_sphere};
+use dcd_geom::{Kind, Shape};
+
+/// What is to be found of pairs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// Which of them touch.
+    Decide,
+    /// How far or how deep, too.
+    Measure,
+}
+
+/// What the objects of a scene have in common.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Form {
+    /// Nothing: every polytope has its vertices.
+    #[default]
+    Any,
+    /// All are spheres, and marked as [`SPHERE`](super::frame::SPHERE): [`super::spheres`] resolves their pairs.
+    Spheres,
+    /// All are cuboids of radius 0: the sphere and OBB tests resolve their pairs.
+    Cuboids,
+    /// The same of all that has vertices, parts of compounds too, where pairs are only decided: parts have no vertices, which
+    /// would be more than half of what is written of them, and those of others are not read.
+    CuboidParts,
+}
+
+impl Form {
+    pub(super) fn of(shapes: &[Shape], cores: &Cores, purpose: Purpose) -> Self {
+        let spheres = |shape: &Shape| shape.as_polytope().is_some_and(is_sphere);
+        let kind = |shape: &Shape| shape.as_polytope().map(|p| (p.kind(), p.swept_radius()));
+        let cuboids = |shape| matches!(kind(shape), Some((Kind::Cuboid { .. }, 0.0)));
+        let parts = cores.parts();
+        if shapes.iter().all(spheres) {
+            Self::Spheres
+        } else if shapes.iter().all(cuboids) {
+            Self::Cuboids
+        } else if purpose == Purpose::Decide
+            && !parts.is_empty()
+            && cores.cores().iter().chain(parts).all(is_known_by_box)
+        {
+            Self::CuboidParts
+        } else {
+            Self::Any
+        }
+    }
+}
+
+/// Whether no vertex of a core is needed beside its boxes, or it has none.
+fn is_known_by_box(core: &Core) -> bool {
+    let is_cuboid = core.is_box || core.is_nearly_box;
+    core.blocks == 0 || is_cuboid && core.has_obb && core.radius == 0.0
+}
