@@ -5,6 +5,8 @@
 //! distance never falls, so that its root is where the two are nearest. What is proposed is proved by the
 //! pair's own bounds, as any two points are. Inside, the three half-planes are how deep a point is.
 
+use super::feature_normal::{Nearest, Tangents};
+use super::profile::Profile;
 use super::{SIZES, UNIT};
 use crate::epa::Depth;
 use crate::{PosedShape, PosedSupport};
@@ -41,15 +43,20 @@ struct Couple<'a> {
 
 impl<'a> Couple<'a> {
     fn of(a: PosedShape<'a>, b: PosedShape<'a>) -> Option<Self> {
+        let is_round = |polytope: &Polytope| matches!(polytope.kind(), Kind::Point | Kind::Segment);
+        Self::of_any(a, b).filter(|couple| is_round(couple.round.map))
+    }
+
+    /// With any polytope in the other's place.
+    fn of_any(a: PosedShape<'a>, b: PosedShape<'a>) -> Option<Self> {
         let (curved, at, other, swapped) = match (a.shape, b.shape) {
             (Shape::Curved(curved), Shape::Polytope(_)) => (curved, a, b, false),
             (Shape::Polytope(_), Shape::Curved(curved)) => (curved, b, a, true),
             _ => return None,
         };
         let polytope = other.shape.as_polytope()?;
-        let is_round = matches!(polytope.kind(), Kind::Point | Kind::Segment);
         let round = PosedSupport::polytope(polytope, other.pose);
-        is_round.then_some(Self { round, curved, at, swapped })
+        Some(Self { round, curved, at, swapped })
     }
 
     /// At least the length of every vector from the one core to the other: metres.
@@ -59,40 +66,67 @@ impl<'a> Couple<'a> {
         reach * (1.0 + self.at.pose.deviation()) + delta.norm1()
     }
 
-    fn seen(&self) -> Option<Seen<'a>> {
-        let [from, to] = match *self.round.map.vertices() {
-            [from] => [from; 2],
-            [from, to] => [from, to],
-            _ => return None,
-        };
+    /// The ends of the other's core.
+    fn ends(&self) -> Option<[DVec3; 2]> {
+        match *self.round.map.vertices() {
+            [point] => Some([point; 2]),
+            [from, to] => Some([from, to]),
+            _ => None,
+        }
+    }
+
+    fn seen(&self, [from, to]: [DVec3; 2]) -> Seen<'a> {
         let delta = self.round.pose.translation() - self.at.pose.translation();
         let back = self.at.pose.rotation().transpose();
         let turn = *self.round.pose.rotation();
         let first = back * (turn * from + delta);
-        Some(Seen { curved: self.curved, from: first, along: back * (turn * (to - from)) })
+        Seen { curved: self.curved, from: first, along: back * (turn * (to - from)) }
+    }
+
+    /// A point of the curved core and one between two of the other's that are perhaps the nearest.
+    fn nearest(&self, ends: [DVec3; 2]) -> Option<Nearest> {
+        if !SIZES.contains(&self.size()) {
+            return None;
+        }
+        let seen = self.seen(ends);
+        let t = seen.nearest_place();
+        let place = seen.from + seen.along * t;
+        let on_curved = nearest(self.curved, place);
+        if on_curved == place {
+            return None;
+        }
+        let [from, to] = ends;
+        let on_round = if from == to { from } else { from + (to - from) * t };
+        let along = if 0.0 < t && t < 1.0 { seen.along } else { DVec3::ZERO };
+        let of_round = Tangents { straight: [along, DVec3::ZERO], ..Tangents::default() };
+        let of_curved = Profile::of(self.curved)
+            .map(|profile| profile.tangents(&profile.foot(place), 0.0))
+            .unwrap_or_default();
+        let turn = *self.at.pose.rotation();
+        let mut points = [on_curved, on_round];
+        let mut tangents = [of_curved, of_round].map(|tangents| tangents.turned(turn));
+        if self.swapped {
+            points.reverse();
+            tangents.reverse();
+        }
+        Some(Nearest { points, tangents })
     }
 }
 
-/// A point of each core that are perhaps the nearest, each in its own frame; `None` where the pair is of other
+/// A point of each core that are perhaps the nearest, and the tangents there; `None` where the pair is of other
 /// kinds, or the cores meet.
-pub(crate) fn nearest_points(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<[DVec3; 2]> {
+pub(crate) fn nearest_points(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Nearest> {
     let couple = Couple::of(a, b)?;
-    if !SIZES.contains(&couple.size()) {
-        return None;
-    }
-    let seen = couple.seen()?;
-    let t = seen.nearest_place();
-    let place = seen.from + seen.along * t;
-    let on_curved = nearest(couple.curved, place);
-    if on_curved == place {
-        return None;
-    }
-    let on_round = match *couple.round.map.vertices() {
-        [from, to] => from + (to - from) * t,
-        [point] => point,
-        _ => return None,
-    };
-    Some(if couple.swapped { [on_round, on_curved] } else { [on_curved, on_round] })
+    couple.nearest(couple.ends()?)
+}
+
+/// The same of a curved shape and an edge of a polytope, given by its ends.
+pub(crate) fn nearest_points_to_edge(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    ends: [DVec3; 2],
+) -> Option<Nearest> {
+    Couple::of_any(a, b)?.nearest(ends)
 }
 
 /// How deep a sphere whose centre is in the core of a cylinder or cone overlaps it, within `relative` of
@@ -107,8 +141,8 @@ pub(crate) fn depth_of_centre(
         return None;
     }
     let size = couple.size();
+    let point = couple.seen(couple.ends()?).from;
     let Couple { round, curved, at, swapped } = couple;
-    let point = couple.seen()?.from;
     let stretch = at.pose.deviation();
     let (inside, outward) = way_out(curved, point);
     let radius = curved.swept_radius() + round.map.swept_radius();

@@ -3,6 +3,7 @@
 //! From above they are no farther apart than the points, from below no nearer than both reach along the line between these
 //! (docs/numerics/proofs.md, "Round shapes").
 
+use super::feature_normal::HARDLY_APART;
 use super::{LENGTH, SIZES, UNIT};
 use crate::distance::{Distance, DistanceResult, rounded_up};
 use crate::mesh::Limited;
@@ -37,8 +38,10 @@ pub(super) struct Points {
     on_a: DVec3,
     on_b: DVec3,
     length: f64,
-    /// From the second to the first, of unit length but for rounding.
+    /// From the second to the first, or square to both features, of unit length but for rounding.
     direction: DVec3,
+    /// How far the points are beside each other, seen along the direction.
+    aside: f64,
     /// At most the cores' distance.
     lower: f64,
 }
@@ -60,20 +63,44 @@ impl<'a> CurvedPoints<'a> {
         self.radius * (1.0 + LENGTH * UNIT)
     }
 
-    /// A point of each, in its own frame.
+    /// A point of each, in its own frame, and what the line between them proves.
     pub(super) fn between(&self, on_a: DVec3, on_b: DVec3) -> Points {
         let [turn_a, turn_b] = self.poses.map(Pose::rotation);
         let (on_a, on_b) = (*turn_a * on_a, *turn_b * on_b);
         let between = (on_a - on_b) + self.delta;
         let length = between.length();
         let direction = between * (1.0 / length);
+        Points { on_a, on_b, length, direction, aside: 0.0, lower: self.lower(direction) }
+    }
+
+    /// The same by another direction, world axes.
+    pub(super) fn along(&self, direction: DVec3, points: &Points) -> Points {
+        // A pose that is no rotation has stretched it.
+        let direction = direction * (1.0 / direction.length());
+        let between = (points.on_a - points.on_b) + self.delta;
+        let aside = (between - direction * direction.dot(between)).length();
+        Points { direction, aside, lower: self.lower(direction), ..*points }
+    }
+
+    /// Whether two points are so near each other that the line between them says little.
+    pub(super) fn are_hardly_apart(&self, points: &Points) -> bool {
+        points.length < HARDLY_APART * self.size
+    }
+
+    /// The pair's size.
+    pub(super) fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// At most the cores' distance, by a direction of unit length but for rounding.
+    fn lower(&self, direction: DVec3) -> f64 {
+        let [turn_a, turn_b] = self.poses.map(Pose::rotation);
         let [in_a, in_b] = [
             -reach(self.curved[0], -back(turn_a, direction)),
             reach(self.curved[1], back(turn_b, direction)),
         ];
         let separation = direction.dot(self.delta) + (in_a - in_b);
-        let lower = separation - separation.abs() * (LENGTH * UNIT) - BELOW * UNIT * self.size;
-        Points { on_a, on_b, length, direction, lower }
+        separation - separation.abs() * (LENGTH * UNIT) - BELOW * UNIT * self.size
     }
 }
 
@@ -120,6 +147,10 @@ impl Points {
         let below = distance - (lower - pair.swept());
         // This function's own arithmetic.
         let error_bound = rounded_up(above.max(below) + 8.0 * UNIT * length);
+        // What is swept round points beside each other would not be as far apart as they are less the radii.
+        if radius > 0.0 && self.aside > error_bound {
+            return None;
+        }
         let normal = -self.direction;
         let point_a = self.on_a + pose_a.translation() + normal * in_a.swept_radius();
         let point_b = self.on_b + pose_b.translation() - normal * in_b.swept_radius();

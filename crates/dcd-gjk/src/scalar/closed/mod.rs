@@ -12,6 +12,7 @@ mod cuboid_nearest;
 mod cuboids;
 pub(crate) mod curved;
 mod curved_points;
+pub(crate) mod feature_normal;
 mod gap;
 pub mod half_space;
 pub(crate) mod level;

@@ -1,6 +1,7 @@
 //! A cylinder or cone as a profile turned round its axis: the point of it nearest to another.
 
 use super::SIZES;
+use super::feature_normal::Tangents;
 use dcd_geom::Curved;
 use dcd_geom::glam::{DVec2, DVec3};
 
@@ -86,6 +87,20 @@ impl Profile {
         Foot { point: flat.extend(z), part, outward, shrunk: 1.0 }
     }
 
+    /// How much lower or higher than a foot the nearest rim is, and which.
+    pub(super) fn to_rim(&self, foot: &Foot) -> (f64, usize) {
+        let [low, high] = self.heights.map(|height| (height - foot.point.z).abs());
+        if high < low { (high, 1) } else { (low, 0) }
+    }
+
+    /// The point of a rim that is nearest to another.
+    pub(super) fn foot_on_rim(&self, point: DVec3, up: usize) -> Foot {
+        let across = point.truncate().length();
+        let outward = if across > 0.0 { point.truncate() / across } else { DVec2::X };
+        let there = DVec2::new(self.radii[up], self.heights[up]);
+        Foot::new(there, outward, across, Part::Rim(up))
+    }
+
     /// The point of a rim in a direction from the axis, of unit length.
     #[inline(always)]
     pub(super) fn on_rim(&self, outward: DVec2, up: usize) -> DVec3 {
@@ -104,6 +119,22 @@ impl Profile {
         (outward * self.side.x).extend(self.side.y)
     }
 
+    /// Along the part of the surface on which a point is; of one on a disc that is so near to the rim, metres, along that.
+    pub(super) fn tangents(&self, foot: &Foot, edge: f64) -> Tangents {
+        let round = foot.outward.perp().extend(0.0);
+        let to_rim = |up: usize| (self.radii[up] - foot.point.truncate().length()).abs();
+        match foot.part {
+            Part::Inside => Tangents::default(),
+            Part::Disc(up) if to_rim(up) < edge => Tangents { round, ..Tangents::default() },
+            Part::Disc(_) => Tangents { straight: [DVec3::X, DVec3::Y], round: DVec3::ZERO },
+            Part::Side => {
+                Tangents { straight: [self.up_the_side(foot.outward), DVec3::ZERO], round }
+            }
+            Part::Rim(up) if self.radii[up] > 0.0 => Tangents { round, ..Tangents::default() },
+            Part::Rim(_) => Tangents::default(),
+        }
+    }
+
     /// How much of a side's normal is along the axis: its sine.
     pub(super) fn rise(&self) -> f64 {
         -self.side.x * self.per_square.sqrt()
@@ -117,6 +148,26 @@ impl Profile {
         let up = usize::from(high > low);
         let outward = if across > 0.0 { flat / across } else { DVec2::ZERO };
         self.on_rim(outward, up)
+    }
+
+    /// How the height above a side changes with the angle of a circle of such a radius, and how that does, both over the radius; a
+    /// point of it, and the directions along it and from its centre. `None` where the foot is on no side. The height, unlike its
+    /// square, has a plain minimum however small it is.
+    #[inline(always)]
+    pub(super) fn bends(
+        &self,
+        foot: &Foot,
+        [point, tangent, away]: [DVec3; 3],
+        radius: f64,
+    ) -> Option<[f64; 2]> {
+        if foot.part != Part::Side {
+            return None;
+        }
+        let slant = DVec2::new(self.side.y, -self.side.x) * self.per_square.sqrt();
+        let normal = (foot.outward * slant.x).extend(slant.y);
+        let round = foot.outward.perp_dot(tangent.truncate());
+        let bend = slant.x * round * round / point.truncate().length();
+        Some([normal.dot(tangent), radius * bend - normal.dot(away)])
     }
 
     /// How much the foot moves along with what it is nearest to: the share of a movement of length 1, by its square.

@@ -4,7 +4,9 @@
 //! root in one angle; on two sides, or on a disc, they are known at once. Which of these it is, and where the angle's search
 //! begins, a few projections to and fro say. What comes out is a proposal: the pair's own bounds prove it.
 
+use super::UNIT;
 use super::curved_points::CurvedPoints;
+use super::feature_normal;
 use super::profile::{Foot, Part, Profile};
 use crate::PosedShape;
 use crate::mesh::Limited;
@@ -17,14 +19,18 @@ const TRIES: usize = 6;
 const CORRECTIONS: usize = 8;
 
 /// The square of the sine of two axes below which sides count as parallel, and have no one place where they cross. No unit.
-/// Larger: more pairs for the search. Smaller: places that rounding has moved.
-const PARALLEL: f64 = 1e-20;
+/// Larger: points that are not the nearest by that sine. Smaller: places that rounding has moved.
+const PARALLEL: f64 = 1e-28;
 
 /// How far the line between two points may be turned from the nearest ones', where a bound of millionths of the size is
 /// enough, and where all that f64 has is asked for. Radians: the bounds lose about its square. Larger: points that the bounds
 /// refuse. Smaller: corrections for nothing.
 const TURNED: f64 = 5e-4;
-const SHARPLY_TURNED: f64 = 1e-8;
+const SHARPLY_TURNED: f64 = 1e-12;
+
+/// How far a point moves by rounding alone. Unit: u of the pair's size; twice what two turns and a foot lose. Smaller: corrections
+/// without end where the shapes all but meet. Larger: points beside the nearest.
+const ROUNDING: f64 = 32.0;
 
 /// The largest correction of an angle that is taken, radians: Newton's method leads nowhere from afar. Larger: steps that
 /// lead away. Smaller: more of them.
@@ -70,8 +76,12 @@ struct Two {
     frame: Frame,
     /// How far the line between the points may be turned, radians.
     settled: f64,
+    /// What two points of a core may be apart and be the same, metres.
+    rounding: f64,
     /// Whether the one is the second of the pair.
     swapped: bool,
+    /// How often two sides have been tried: by their common normal, by the lines up them, then the nearest rim.
+    tried_sides: usize,
 }
 
 /// What is known of the distance of two cylinders or cones, by points of which the bounds are at most `gap` of the pair's size
@@ -85,14 +95,28 @@ pub(crate) fn distance([gap, far]: [f64; 2], [a, b]: [PosedShape<'_>; 2]) -> Opt
     let frame = Frame { turn: back * *b.pose.rotation(), delta };
     let (me, other) = (Profile::of(in_a)?, Profile::of(in_b)?);
     let settled = if gap > 0.0 { TURNED } else { SHARPLY_TURNED };
+    let rounding = ROUNDING * UNIT * points.size();
     let is_beyond = |[of_a, of_b]: [DVec3; 2]| points.between(of_a, of_b).are_beyond(&points, far);
-    match (Two { me, other, frame, settled, swapped: false }).nearest(far, is_beyond)? {
-        Nearest::Beyond => Some(Limited::Beyond),
-        Nearest::Points([of_a, of_b]) => points.between(of_a, of_b).distance(&points, [gap, far]),
+    let mut two = Two { me, other, frame, settled, rounding, swapped: false, tried_sides: 0 };
+    let on = match two.nearest(far, is_beyond)? {
+        Nearest::Beyond => return Some(Limited::Beyond),
+        Nearest::Points(on) => on,
+    };
+    let [of_a, of_b] = two.in_order(on);
+    let found = points.between(of_a, of_b);
+    let by_line = || found.distance(&points, [gap, far]);
+    let by_features = || {
+        let turn = if two.swapped { -*b.pose.rotation() } else { *a.pose.rotation() };
+        let mut normals = two.normals(on, points.size()).map(|normal| turn * normal);
+        normals.find_map(|normal| points.along(normal, &found).distance(&points, [gap, far]))
+    };
+    if points.are_hardly_apart(&found) {
+        return by_features().or_else(by_line);
     }
+    by_line().or_else(by_features)
 }
 
-/// Points of both cores, each in its own frame.
+/// Points of both cores, each in its own frame: mine and the other's.
 enum Nearest {
     /// They prove more than the limit.
     Beyond,
@@ -101,7 +125,7 @@ enum Nearest {
 }
 
 impl Two {
-    fn nearest(mut self, far: f64, are_beyond: impl Fn([DVec3; 2]) -> bool) -> Option<Nearest> {
+    fn nearest(&mut self, far: f64, are_beyond: impl Fn([DVec3; 2]) -> bool) -> Option<Nearest> {
         let mut on_me = self.me.foot(self.frame.delta).point;
         let mut on_other = self.other.foot(self.frame.seen_by_other(on_me)).point;
         for tried in 0..TRIES {
@@ -113,16 +137,45 @@ impl Two {
             }
             let moved = foot.point.distance_squared(on_me);
             let squared = there.distance_squared(foot.point);
-            if moved <= (self.settled * self.settled) * squared {
-                return Some(Nearest::Points(self.in_order([on_me, on_other])));
+            let foot_of_other = self.other.foot(self.frame.seen_by_other(foot.point));
+            // Beside a disc, or of two sides, that are all but parallel every point stays where it is.
+            let are_level = matches!(
+                (foot.part, foot_of_other.part),
+                (Part::Disc(_), _) | (_, Part::Disc(_)) | (Part::Side, Part::Side)
+            );
+            let is_told = tried > 0 || !are_level;
+            if is_told && self.is_settled(moved, squared) {
+                return Some(Nearest::Points([on_me, on_other]));
             }
-            if tried == 0 && squared > far * far && are_beyond([foot.point, on_other]) {
+            if tried == 0
+                && squared > far * far
+                && are_beyond(self.in_order([foot.point, on_other]))
+            {
                 return Some(Nearest::Beyond);
             }
-            let foot_of_other = self.other.foot(self.frame.seen_by_other(foot.point));
             [on_me, on_other] = self.solved(&foot, &foot_of_other)?;
         }
         None
+    }
+
+    /// Whether a point that would move so far is where it belongs, the other so far away: squares.
+    #[inline(always)]
+    fn is_settled(&self, moved: f64, squared: f64) -> bool {
+        moved <= (self.settled * self.settled) * squared + self.rounding * self.rounding
+    }
+
+    /// What may be the direction to me from the other, in my frame, by the features that two points are on.
+    fn normals(&self, [on_me, on_other]: [DVec3; 2], size: f64) -> impl Iterator<Item = DVec3> {
+        let Self { me, other, frame, rounding, .. } = self;
+        let there = frame.seen_by_me(on_other);
+        let feet = (me.foot(there), other.foot(frame.seen_by_other(on_me)));
+        // A point of a disc may be one of its rim but for rounding.
+        [0.0, 2.0 * rounding].into_iter().flat_map(move |edge| {
+            let mine = me.tangents(&feet.0, edge);
+            let others = other.tangents(&feet.1, edge);
+            let seen = [mine, others.turned(frame.turn)];
+            feature_normal::normals(on_me - there, size, seen)
+        })
     }
 
     fn in_order(&self, [on_me, on_other]: [DVec3; 2]) -> [DVec3; 2] {
@@ -134,19 +187,31 @@ impl Two {
     fn solved(&mut self, on_me: &Foot, on_other: &Foot) -> Option<[DVec3; 2]> {
         match [on_me.part, on_other.part] {
             [Part::Inside, _] | [_, Part::Inside] => None,
-            [Part::Side, Part::Side] => match self.on_sides()? {
-                OnSides::Inside(points) => Some(points),
-                OnSides::BeyondMine(up) => self.on_rim(on_me.outward, up),
-                OnSides::BeyondOther(up) => {
-                    self.exchange();
-                    self.on_rim(on_other.outward, up)
-                }
-            },
-            [Part::Side, _] => {
+            [Part::Disc(up), _] => self.on_disc(up),
+            [_, Part::Disc(up)] => {
                 self.exchange();
-                self.on_feature(on_other)
+                self.on_disc(up)
             }
-            _ => self.on_feature(on_me),
+            [Part::Rim(up), _] => self.on_rim(on_me.outward, up),
+            [_, Part::Rim(up)] => {
+                self.exchange();
+                self.on_rim(on_other.outward, up)
+            }
+            [Part::Side, Part::Side] => {
+                let nearest = match self.tried_sides {
+                    0 | 1 => self.on_sides([on_me, on_other]),
+                    _ => self.nearest_rim([on_me, on_other]),
+                };
+                self.tried_sides += 1;
+                match nearest {
+                    OnSides::Inside(points) => Some(points),
+                    OnSides::BeyondMine(up) => self.on_rim(on_me.outward, up),
+                    OnSides::BeyondOther(up) => {
+                        self.exchange();
+                        self.on_rim(on_other.outward, up)
+                    }
+                }
+            }
         }
     }
 
@@ -154,15 +219,6 @@ impl Two {
         std::mem::swap(&mut self.me, &mut self.other);
         self.frame = self.frame.mirrored();
         self.swapped = !self.swapped;
-    }
-
-    /// Of a disc or a rim of mine.
-    fn on_feature(&self, on_me: &Foot) -> Option<[DVec3; 2]> {
-        match on_me.part {
-            Part::Disc(up) => self.on_disc(up),
-            Part::Rim(up) => self.on_rim(on_me.outward, up),
-            Part::Side | Part::Inside => None,
-        }
     }
 
     /// The direction from my side to the other's, where these are nearest, in my frame and of unit length; `None` of parallel
@@ -183,30 +239,58 @@ impl Two {
         Some(DVec3::Z * along_mine + axis * along_other + across * (left / sine).sqrt())
     }
 
-    /// Where the two sides are nearest: where the lines up them cross that face each other.
-    fn on_sides(&self) -> Option<OnSides> {
+    /// Where the two sides are nearest, given two points that face each other: where the lines up them cross that do so too.
+    fn on_sides(&self, [on_me, on_other]: [&Foot; 2]) -> OnSides {
         let Self { me, other, frame, .. } = self;
-        let normal = self.normal_of_sides()?;
-        let outward = normal.truncate().try_normalize()?;
-        let others_outward = frame.turned_for_other(-normal).truncate().try_normalize()?;
+        // Of parallel ones those are as near as any.
+        let as_they_are = OnSides::Inside([on_me.point, on_other.point]);
+        let by_normal = || {
+            let normal = self.normal_of_sides()?;
+            let others_normal = frame.turned_for_other(-normal);
+            Some([normal, others_normal].map(|normal| normal.truncate().try_normalize()))
+        };
+        let [Some(outward), Some(others_outward)] = (match self.tried_sides {
+            0 => by_normal(),
+            _ => Some([Some(on_me.outward), Some(on_other.outward)]),
+        })
+        .unwrap_or_default() else {
+            return as_they_are;
+        };
         let up = me.up_the_side(outward);
         let others_up = frame.turn * other.up_the_side(others_outward);
         let between =
             me.on_side(outward, 0.0) - frame.seen_by_me(other.on_side(others_outward, 0.0));
-        let [uu, uv, vv] = [up.dot(up), up.dot(others_up), others_up.dot(others_up)];
-        let (along, along_others) = (up.dot(between), others_up.dot(between));
-        let divisor = uu * vv - uv * uv;
-        let share = (uv * along_others - vv * along) / divisor;
-        let others_share = (uu * along_others - uv * along) / divisor;
-        let side = 0.0..=1.0;
-        Some(if !side.contains(&share) {
+        // By the cross product: of lines that are nearly parallel the difference of squares is rounding.
+        let across = up.cross(others_up);
+        let squared = across.length_squared();
+        if squared == 0.0 {
+            return as_they_are;
+        }
+        let share = (-between.cross(others_up).dot(across) / squared).clamp(0.0, 1.0);
+        let others_at = others_up.dot(between + up * share) / others_up.length_squared();
+        let others_share = others_at.clamp(0.0, 1.0);
+        let share = match others_at == others_share {
+            true => share,
+            false => up.dot(others_up * others_share - between) / up.length_squared(),
+        };
+        if !(0.0 < share && share < 1.0) {
             OnSides::BeyondMine(usize::from(share > 0.5))
-        } else if !side.contains(&others_share) {
+        } else if !(0.0 < others_share && others_share < 1.0) {
             OnSides::BeyondOther(usize::from(others_share > 0.5))
         } else {
-            let points = [me.on_side(outward, share), other.on_side(others_outward, others_share)];
-            OnSides::Inside(points)
-        })
+            let point = me.on_side(outward, share);
+            OnSides::Inside([point, other.foot(frame.seen_by_other(point)).point])
+        }
+    }
+
+    /// The rim nearest to one of two points of the sides.
+    fn nearest_rim(&self, [on_me, on_other]: [&Foot; 2]) -> OnSides {
+        let (of_me, up) = self.me.to_rim(on_me);
+        let (of_other, others_up) = self.other.to_rim(on_other);
+        match of_me <= of_other {
+            true => OnSides::BeyondMine(up),
+            false => OnSides::BeyondOther(others_up),
+        }
     }
 
     /// The other's point nearest to the plane of a disc of mine and the point below it; that of the rim where it is not above
@@ -224,36 +308,91 @@ impl Two {
 
     /// The point of a rim of mine that is nearest to the other, from one in a direction from the axis, and the other's.
     fn on_rim(&self, mut outward: DVec2, up: usize) -> Option<[DVec3; 2]> {
-        let Self { me, other, frame, settled, .. } = self;
+        let Self { me, other, frame, .. } = self;
         let radius = me.radii[up];
-        let mut last = None;
+        let (mut last, mut edge) = (None, None);
         for _ in 0..CORRECTIONS {
             let point = me.on_rim(outward, up);
             let seen = frame.seen_by_other(point);
-            let foot = other.foot(seen);
-            if foot.part == Part::Inside {
-                return None;
-            }
+            let foot = match edge {
+                Some(above) => other.foot_on_rim(seen, above),
+                None => other.foot(seen),
+            };
             last = Some([point, foot.point]);
+            match foot.part {
+                Part::Inside => return None,
+                Part::Disc(above) => match self.above_disc(up, above) {
+                    AboveDisc::Point(lowest) => return Some(lowest),
+                    AboveDisc::Anywhere => break,
+                    AboveDisc::Edge(crossing) => {
+                        (outward, edge) = (crossing, Some(above));
+                        continue;
+                    }
+                },
+                Part::Side | Part::Rim(_) => {}
+            }
             let between = seen - foot.point;
             let tangent = frame.turned_for_other(outward.perp().extend(0.0));
             let away = frame.turned_for_other(outward.extend(0.0));
-            // Of half the squared distance, by the angle, over the radius.
-            let slope = between.dot(tangent);
-            let curve = radius * (1.0 - other.follows(&foot, tangent)) - between.dot(away);
-            let step = -slope / curve;
-            let moved = step * radius;
-            if moved * moved <= (settled * settled) * between.length_squared() {
+            let by_height = other.bends(&foot, [seen, tangent, away], radius);
+            let step = by_height.and_then(newton).or_else(|| {
+                // Of half the squared distance, by the angle, over the radius.
+                let curve = radius * (1.0 - other.follows(&foot, tangent)) - between.dot(away);
+                newton([between.dot(tangent), curve])
+            });
+            let moved = step.map_or(f64::MAX, |step| step * radius);
+            if self.is_settled(moved * moved, between.length_squared()) {
                 break;
             }
-            outward = if curve > 0.0 && step.abs() <= FARTHEST {
-                (outward + outward.perp() * step).normalize()
-            } else {
-                frame.seen_by_me(foot.point).truncate().try_normalize()?
+            outward = match step {
+                Some(step) => (outward + outward.perp() * step).normalize(),
+                None => frame.seen_by_me(foot.point).truncate().try_normalize()?,
             };
         }
         last
     }
+
+    /// Where a rim of mine, which is partly above a disc of the other, is nearest to it.
+    fn above_disc(&self, up: usize, above: usize) -> AboveDisc {
+        let Self { me, other, frame, .. } = self;
+        let normal = if above == 1 { frame.turn.z_axis } else { -frame.turn.z_axis };
+        let Some(lowest) = (-normal.truncate()).try_normalize() else { return AboveDisc::Anywhere };
+        let point = me.on_rim(lowest, up);
+        let foot = other.foot(frame.seen_by_other(point));
+        if foot.part == Part::Disc(above) {
+            return AboveDisc::Point([point, foot.point]);
+        }
+        // Else where the rims cross, as seen along the axis.
+        let centre = frame.seen_by_me(DVec3::Z * other.heights[above]).truncate();
+        let (mine, others) = (me.radii[up], other.radii[above]);
+        let squared = centre.length_squared();
+        let along = (squared + mine * mine - others * others) / (2.0 * mine * squared);
+        let aside = 1.0 / squared - along * along;
+        if !(aside > 0.0) {
+            return AboveDisc::Anywhere;
+        }
+        let [to_left, to_right] =
+            [1.0, -1.0].map(|way| centre * along + centre.perp() * (way * aside.sqrt()));
+        let is_left = normal.truncate().dot(to_left - to_right) < 0.0;
+        let crossing = if is_left { to_left } else { to_right };
+        AboveDisc::Edge(crossing.normalize())
+    }
+}
+
+/// A step of Newton's method, by a first and a second derivative, towards a minimum that is not far.
+fn newton([slope, curve]: [f64; 2]) -> Option<f64> {
+    let step = -slope / curve;
+    (curve > 0.0 && step.abs() <= FARTHEST).then_some(step)
+}
+
+/// Where a rim is nearest to a disc.
+enum AboveDisc {
+    /// There, in both frames.
+    Point([DVec3; 2]),
+    /// Where it is above it.
+    Anywhere,
+    /// Near the disc's own rim: the direction from the axis in which they cross.
+    Edge(DVec2),
 }
 
 /// Where two sides are nearest.

@@ -3,6 +3,7 @@
 use super::warm_start::warm_start;
 use super::{Distance, UNIT, rounded_up, unit as of_unit_length};
 use crate::certificate::{Bounds, combined_length};
+use crate::closed::feature_normal::{HARDLY_APART, Tangents, normals};
 use crate::gjk::{MAX_SUPPORTS, Simplex, start, unit};
 use crate::supports::{InBlocks, lowest};
 use crate::{Difference, PosedSupport, Reason, Verdict, Vertex};
@@ -158,20 +159,72 @@ pub(crate) fn proposed<S: InBlocks>(
     difference: &Difference<'_, f64, S, S>,
     bounds: &Bounds<f64>,
     gap: f64,
-    [point_a, point_b]: [DVec3; 2],
+    points: [DVec3; 2],
 ) -> Option<Approach> {
-    let w = difference.world(point_a, point_b);
-    let direction = unit::<f64>(w.to_array())?;
-    let (_, separation) = lowest(difference, direction);
-    let lower = bounds.lower_bound(direction, separation);
-    let length = w.length();
-    let upper = bounds.upper_bound(length) + PROPOSED * UNIT;
-    let is_close = lower > 0.0 && upper - lower <= gap.max(CLOSE * UNIT);
-    let support = |point| Support { point, feature: 0 };
-    let mut simplex = Simplex::default();
-    simplex.push(Vertex { w, a: support(point_a), b: support(point_b) });
-    let weights = [1.0, 0.0, 0.0, 0.0];
-    is_close.then_some(Approach { simplex, weights, direction, length, upper, lower })
+    let proposal = Proposal::of(difference, points);
+    proposal.along(difference, bounds, (gap, proposal.w))
+}
+
+/// The same with tangents of the features on which the points are, world axes: their common normal says more where the points all
+/// but meet.
+pub(super) fn proposed_by_features<S: InBlocks>(
+    difference: &Difference<'_, f64, S, S>,
+    bounds: &Bounds<f64>,
+    gap: f64,
+    (points, tangents): ([DVec3; 2], [Tangents; 2]),
+) -> Option<Approach> {
+    let proposal = Proposal::of(difference, points);
+    let w = proposal.w;
+    let by_line = || proposal.along(difference, bounds, (gap, w));
+    let by_features = || {
+        // Of swept cores that are beside each other as seen along it, the surfaces would be farther apart than is said.
+        let is_along = |found: &Approach| {
+            let n = of_unit_length(found.direction);
+            let aside = (w - n * n.dot(w)).length();
+            bounds.radius() == 0.0 || aside <= found.upper - found.lower
+        };
+        normals(w, difference.size(), tangents)
+            .filter_map(|normal| proposal.along(difference, bounds, (gap, normal)))
+            .find(is_along)
+    };
+    if w.length() < HARDLY_APART {
+        return by_features().or_else(by_line);
+    }
+    by_line().or_else(by_features)
+}
+
+/// A point of each core, in its own frame, and their difference.
+struct Proposal {
+    points: [DVec3; 2],
+    w: DVec3,
+}
+
+impl Proposal {
+    fn of<S: InBlocks>(difference: &Difference<'_, f64, S, S>, points: [DVec3; 2]) -> Self {
+        let [point_a, point_b] = points;
+        Self { points, w: difference.world(point_a, point_b) }
+    }
+
+    /// What they prove by a direction of any length.
+    fn along<S: InBlocks>(
+        &self,
+        difference: &Difference<'_, f64, S, S>,
+        bounds: &Bounds<f64>,
+        (gap, direction): (f64, DVec3),
+    ) -> Option<Approach> {
+        let Self { points: [point_a, point_b], w } = *self;
+        let direction = unit::<f64>(direction.to_array())?;
+        let (_, separation) = lowest(difference, direction);
+        let lower = bounds.lower_bound(direction, separation);
+        let length = w.length();
+        let upper = bounds.upper_bound(length) + PROPOSED * UNIT;
+        let is_close = lower > 0.0 && upper - lower <= gap.max(CLOSE * UNIT);
+        let support = |point| Support { point, feature: 0 };
+        let mut simplex = Simplex::default();
+        simplex.push(Vertex { w, a: support(point_a), b: support(point_b) });
+        let weights = [1.0, 0.0, 0.0, 0.0];
+        is_close.then_some(Approach { simplex, weights, direction, length, upper, lower })
+    }
 }
 
 /// How far a proposed point of each core may be from it beyond a support's error. Unit: u of the pair's size. A

@@ -3,8 +3,9 @@
 //! Round a disc's rim GJK gains about a digit with two supports; half the squared distance of two features is smooth, so that
 //! here each step doubles the digits. What comes out is a proposal: the pair's own bounds prove it, as any two points.
 
-use super::approach::{Approach, approach as search, approach_from, proposed};
+use super::approach::{Approach, approach as search, approach_from, proposed_by_features};
 use crate::certificate::Bounds;
+use crate::closed::feature_normal::{Nearest, Tangents};
 use crate::{Difference, PosedShape, Verdict, Vertex, closed};
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
 use dcd_geom::{Curved, Shape, Support};
@@ -19,6 +20,10 @@ const SETTLED: f64 = 1e-6;
 /// What is added to the second derivatives, relative to themselves, so that parallel features have a solution. Larger: more
 /// steps. Smaller: places that rounding has moved along such features.
 const DAMPING: f64 = 1e-9;
+
+/// How far the bounds of a search may be apart at its end. Unit: the pair's size. Larger: worse bounds beside points that all but
+/// meet. Smaller: steps of Newton's for nothing.
+const OPEN: f64 = 1e-12;
 
 /// How near the bounds have to come before the nearest features of curved shapes are taken for known. Unit: the pair's size.
 /// Larger: more proposals that the bounds refuse. Smaller: supports that a step of Newton's would have spared.
@@ -36,7 +41,9 @@ pub(super) fn approach(
     if !closed::SIZES.contains(&(difference.size() / difference.scale())) {
         return search(difference, bounds, gap, near);
     }
-    let by_points = |points| proposed(difference, bounds, gap, points);
+    let by_points = |Nearest { points, tangents }: Nearest| {
+        proposed_by_features(difference, bounds, gap, (points, tangents))
+    };
     if let Some(found) = closed::curved::nearest_points(a, b).and_then(by_points) {
         *near = found;
         return Ok(());
@@ -47,8 +54,15 @@ pub(super) fn approach(
     search(difference, bounds, gap.max(FEATURES_ARE_KNOWN), near)?;
     *near = match nearest_points(near, sides).and_then(by_points) {
         Some(found) => found,
-        None => approach_from(difference, bounds, [gap, f64::MAX], near.simplex)?
-            .or_earlier(near, bounds, gap),
+        None => {
+            let last = approach_from(difference, bounds, [gap, f64::MAX], near.simplex)?
+                .or_earlier(near, bounds, gap);
+            // Where the search has come after all, features may be known that were not before.
+            let is_open = last.upper - last.lower > gap.max(OPEN);
+            let of_features = || nearest_points(&last, sides).and_then(by_points);
+            let of_edge = || nearest_points_to_edge(&last, sides).and_then(by_points);
+            is_open.then(|| of_features().or_else(of_edge)).flatten().unwrap_or(last)
+        }
     };
     Ok(())
 }
@@ -62,8 +76,9 @@ fn has_features(a: &Shape, b: &Shape) -> bool {
     )
 }
 
-/// A point of each core, in its own frame, that are perhaps the nearest; `None` where the steps lead nowhere.
-fn nearest_points(near: &Approach, [a, b]: [PosedShape<'_>; 2]) -> Option<[DVec3; 2]> {
+/// A point of each core, in its own frame, that are perhaps the nearest, and tangents there, world axes; `None` where the steps
+/// lead nowhere.
+fn nearest_points(near: &Approach, [a, b]: [PosedShape<'_>; 2]) -> Option<Nearest> {
     let between = Between::of(a, b);
     let mut in_a = Feature::of(a.shape, near, |vertex| vertex.a)?;
     let mut in_b = Feature::of(b.shape, near, |vertex| vertex.b)?;
@@ -76,7 +91,23 @@ fn nearest_points(near: &Approach, [a, b]: [PosedShape<'_>; 2]) -> Option<[DVec3
             break;
         }
     }
-    Some([in_a.point(), in_b.point()])
+    let tangents =
+        [in_a.tangents().turned(*a.pose.rotation()), in_b.tangents().turned(*b.pose.rotation())];
+    Some(Nearest { points: [in_a.point(), in_b.point()], tangents })
+}
+
+/// The same of a curved shape and the edge or corner of a polytope where the search has come.
+fn nearest_points_to_edge(near: &Approach, [a, b]: [PosedShape<'_>; 2]) -> Option<Nearest> {
+    let is_second = matches!(b.shape, Shape::Polytope(_));
+    let flat = match is_second {
+        true => Feature::of(b.shape, near, |vertex| vertex.b)?,
+        false => Feature::of(a.shape, near, |vertex| vertex.a)?,
+    };
+    let Feature::Flat { corners, weights: [second, third], .. } = flat else { return None };
+    let weights = [1.0 - second - third, second, third];
+    let least = (0..3).min_by(|&j, &k| weights[j].total_cmp(&weights[k]))?;
+    let ends = [corners[(least + 1) % 3], corners[(least + 2) % 3]];
+    closed::curved::nearest_points_to_edge(a, b, ends)
 }
 
 /// The second shape's place in the frame of the first.
@@ -210,6 +241,14 @@ impl<'a> Feature<'a> {
 
     fn point(&self) -> DVec3 {
         self.derivatives().point
+    }
+
+    fn tangents(&self) -> Tangents {
+        let [first, second] = self.derivatives().tangents;
+        match self {
+            Self::Flat { .. } => Tangents { straight: [first, second], round: DVec3::ZERO },
+            Self::Round { .. } => Tangents { straight: [second, DVec3::ZERO], round: first },
+        }
     }
 
     fn derivatives(&self) -> Derivatives {

@@ -1,3 +1,5 @@
+mod tiny_gaps;
+
 use super::*;
 use dcd_geom::Pose;
 

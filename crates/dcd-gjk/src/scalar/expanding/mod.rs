@@ -133,7 +133,7 @@ pub(crate) fn depth_of_overlap(
                 [PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose)];
             let tolerance = tolerance.of_curved();
             curved::depth_of_centre(a, b, [tolerance.relative, tolerance.of_size]).or_else(|| {
-                let points = curved::nearest_points(a, b);
+                let points = curved::nearest_points(a, b).map(|found| found.points);
                 // For f32's few digits the points of the surface cost no more.
                 let finish: Option<Finish<Shape>> = match accuracy {
                     Accuracy::F32 => None,
