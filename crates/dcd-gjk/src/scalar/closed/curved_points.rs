@@ -3,7 +3,7 @@
 //! From above they are no farther apart than the points, from below no nearer than both reach along the line between these
 //! (docs/numerics/proofs.md, "Round shapes").
 
-use super::feature_normal::HARDLY_APART;
+use super::feature_normal::{ASIDE, HARDLY_APART};
 use super::{LENGTH, SIZES, UNIT};
 use crate::distance::{Distance, DistanceResult, rounded_up};
 use crate::mesh::Limited;
@@ -147,8 +147,8 @@ impl Points {
         let below = distance - (lower - pair.swept());
         // This function's own arithmetic.
         let error_bound = rounded_up(above.max(below) + 8.0 * UNIT * length);
-        // What is swept round points beside each other would not be as far apart as they are less the radii.
-        if radius > 0.0 && self.aside > error_bound {
+        // Along the normal points beside each other are not as far apart as they are, nor is what is swept round them.
+        if self.aside > ASIDE * UNIT * size {
             return None;
         }
         let normal = -self.direction;

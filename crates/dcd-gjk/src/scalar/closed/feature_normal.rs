@@ -18,6 +18,10 @@ const UNSURE: f64 = 64.0;
 /// thousandth, where rounding turns it by a thousand u. Larger: normals that are not needed. Smaller: wider bounds.
 pub(crate) const HARDLY_APART: f64 = 1e-3;
 
+/// How far two points may be beside each other, seen along a normal that is proposed for them: what rounding leaves of nearest ones.
+/// Unit: u of the pair's size. Larger: points that are not as far apart as is said. Smaller: normals that are not taken.
+pub(crate) const ASIDE: f64 = 128.0;
+
 /// Along one feature, of any length; zeros where there are fewer.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tangents {
@@ -91,7 +95,7 @@ mod tests {
     fn the_normal_of_two_lines_is_square_to_both_however_little_they_cross() {
         let mut draw = Draw(5);
         for k in 0..2000 {
-            let turn = 10f64.powi(-(k % 9));
+            let turn = 10f64.powi(-(k % 8));
             let [along, aside, between] = [0; 3].map(|_| draw.vector());
             let other = along + aside * turn;
             let lines = [straight(along, DVec3::ZERO), straight(other, DVec3::ZERO)];

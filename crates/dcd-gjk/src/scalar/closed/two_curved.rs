@@ -26,7 +26,7 @@ const PARALLEL: f64 = 1e-28;
 /// enough, and where all that f64 has is asked for. Radians: the bounds lose about its square. Larger: points that the bounds
 /// refuse. Smaller: corrections for nothing.
 const TURNED: f64 = 5e-4;
-const SHARPLY_TURNED: f64 = 1e-12;
+const SHARPLY_TURNED: f64 = 1e-14;
 
 /// How far a point moves by rounding alone. Unit: u of the pair's size; twice what two turns and a foot lose. Smaller: corrections
 /// without end where the shapes all but meet. Larger: points beside the nearest.

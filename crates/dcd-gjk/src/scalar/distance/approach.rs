@@ -3,7 +3,7 @@
 use super::warm_start::warm_start;
 use super::{Distance, UNIT, rounded_up, unit as of_unit_length};
 use crate::certificate::{Bounds, combined_length};
-use crate::closed::feature_normal::{HARDLY_APART, Tangents, normals};
+use crate::closed::feature_normal::{ASIDE, HARDLY_APART, Tangents, normals};
 use crate::gjk::{MAX_SUPPORTS, Simplex, start, unit};
 use crate::supports::{InBlocks, lowest};
 use crate::{Difference, PosedSupport, Reason, Verdict, Vertex};
@@ -177,11 +177,11 @@ pub(super) fn proposed_by_features<S: InBlocks>(
     let w = proposal.w;
     let by_line = || proposal.along(difference, bounds, (gap, w));
     let by_features = || {
-        // Of swept cores that are beside each other as seen along it, the surfaces would be farther apart than is said.
+        // Along the normal points beside each other are not as far apart as they are, nor is what is swept round them.
         let is_along = |found: &Approach| {
             let n = of_unit_length(found.direction);
             let aside = (w - n * n.dot(w)).length();
-            bounds.radius() == 0.0 || aside <= found.upper - found.lower
+            aside <= ASIDE * UNIT
         };
         normals(w, difference.size(), tangents)
             .filter_map(|normal| proposal.along(difference, bounds, (gap, normal)))
