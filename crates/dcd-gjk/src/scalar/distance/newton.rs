@@ -103,10 +103,7 @@ fn nearest_points_to_edge(near: &Approach, [a, b]: [PosedShape<'_>; 2]) -> Optio
         true => Feature::of(b.shape, near, |vertex| vertex.b)?,
         false => Feature::of(a.shape, near, |vertex| vertex.a)?,
     };
-    let Feature::Flat { corners, weights: [second, third], .. } = flat else { return None };
-    let weights = [1.0 - second - third, second, third];
-    let least = (0..3).min_by(|&j, &k| weights[j].total_cmp(&weights[k]))?;
-    let ends = [corners[(least + 1) % 3], corners[(least + 2) % 3]];
+    let ends = flat.edge()?;
     closed::curved::nearest_points_to_edge(a, b, ends)
 }
 
@@ -173,7 +170,7 @@ fn solved(mut rows: [[f64; 4]; 4], mut right: [f64; 4]) -> Option<[f64; 4]> {
 
 /// What of a shape is near the other, and a place on it.
 enum Feature<'a> {
-    /// A corner, an edge or a face of up to three corners, and the weights of the second and third.
+    /// A corner, an edge or a face of `count` corners, those after them meaningless, and the weights of the second and third.
     Flat { corners: [DVec3; 3], weights: [f64; 2], count: usize },
     /// A rim or the side of a curved shape: the direction from its axis, of unit length, and how far up.
     Round { curved: &'a Curved, outward: DVec2, up: f64, is_rim: bool },
@@ -241,6 +238,21 @@ impl<'a> Feature<'a> {
 
     fn point(&self) -> DVec3 {
         self.derivatives().point
+    }
+
+    /// The ends of the edge of a polytope that the place is on or nearest to; of a corner twice the same.
+    fn edge(&self) -> Option<[DVec3; 2]> {
+        let Self::Flat { corners: [p, q, r], weights: [second, third], count } = *self else {
+            return None;
+        };
+        let first = 1.0 - second - third;
+        Some(match count {
+            1 => [p, p],
+            2 => [p, q],
+            _ if first <= second.min(third) => [q, r],
+            _ if second <= third => [p, r],
+            _ => [p, q],
+        })
     }
 
     fn tangents(&self) -> Tangents {

@@ -136,6 +136,39 @@ fn shapes_without_height_or_radius_have_bounds_that_hold() {
 }
 
 #[test]
+fn an_edge_ends_at_corners_that_the_feature_has() {
+    let corners = [DVec3::X, DVec3::Y, DVec3::ZERO];
+    let of = |weights, count| Feature::Flat { corners, weights, count }.edge();
+    assert_eq!(of([0.0, 0.0], 1), Some([DVec3::X, DVec3::X]));
+    for second in [0.0, 0.25, 1.0] {
+        assert_eq!(of([second, 0.0], 2), Some([DVec3::X, DVec3::Y]));
+    }
+    assert_eq!(of([0.4, 0.5], 3), Some([DVec3::Y, DVec3::ZERO]));
+    assert_eq!(of([0.1, 0.5], 3), Some([DVec3::X, DVec3::ZERO]));
+    assert_eq!(of([0.5, 0.1], 3), Some([DVec3::X, DVec3::Y]));
+}
+
+/// The origin of its frame is no point of the triangle, and nearer.
+#[test]
+fn a_flat_disc_is_as_far_from_a_triangle_as_from_its_nearest_corner() {
+    let disc = Shape::cylinder(1e-6, 1.0).unwrap();
+    let near = DVec3::new(0.5, 0.0, 0.0);
+    let triangle = Shape::triangle([near, DVec3::X, near]).unwrap();
+    let across = DMat3::from_cols(DVec3::Z, DVec3::NEG_Y, DVec3::X);
+    let disc_pose = Pose::from_matrix(across, DVec3::new(-1.0, -0.5, 0.25)).unwrap();
+    let turn = DQuat::from_scaled_axis(DVec3::new(8e-9, -8e-8, 5e-8)).normalize();
+    let pose = Pose::new(turn, DVec3::new(0.25, 0.0, 1.0)).unwrap();
+    let sides =
+        [(&disc, &disc_pose), (&triangle, &pose)].map(|(shape, pose)| PosedShape { shape, pose });
+    for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+        let found = found_at(accuracy, sides).unwrap();
+        // A turn by 1e-7 lifts the corner by its square.
+        let is_right = (found.distance - (1.75 - 1e-6)).abs() <= found.error_bound + 1e-13;
+        assert!(is_right && found.point_b.x > 0.7, "{accuracy:?}: {found:?}");
+    }
+}
+
+#[test]
 fn equations_are_solved_and_refused_where_they_curve_the_wrong_way() {
     let rows =
         [[4.0, 0.0, 0.0, 0.0], [1.0, 3.0, 0.0, 0.0], [0.5, -1.0, 5.0, 0.0], [0.0, 0.25, 1.0, 2.0]];
