@@ -5,7 +5,7 @@
 //! distance never falls, so that its root is where the two are nearest. What is proposed is proved by the
 //! pair's own bounds, as any two points are. Inside, the three half-planes are how deep a point is.
 
-use super::feature_normal::{Nearest, Tangents};
+use super::feature_normal::Tangents;
 use super::profile::Profile;
 use super::{SIZES, UNIT};
 use crate::epa::Depth;
@@ -84,7 +84,7 @@ impl<'a> Couple<'a> {
     }
 
     /// A point of the curved core and one between two of the other's that are perhaps the nearest.
-    fn nearest(&self, ends: [DVec3; 2]) -> Option<Nearest> {
+    fn nearest(self, ends: [DVec3; 2]) -> Option<NearestPoints<'a>> {
         if !SIZES.contains(&self.size()) {
             return None;
         }
@@ -97,35 +97,51 @@ impl<'a> Couple<'a> {
         }
         let [from, to] = ends;
         let on_round = if from == to { from } else { from + (to - from) * t };
+        let points = if self.swapped { [on_round, on_curved] } else { [on_curved, on_round] };
         let along = if 0.0 < t && t < 1.0 { seen.along } else { DVec3::ZERO };
-        let of_round = Tangents { straight: [along, DVec3::ZERO], ..Tangents::default() };
-        let of_curved = Profile::of(self.curved)
-            .map(|profile| profile.tangents(&profile.foot(place), 0.0))
-            .unwrap_or_default();
-        let turn = *self.at.pose.rotation();
-        let mut points = [on_curved, on_round];
-        let mut tangents = [of_curved, of_round].map(|tangents| tangents.turned(turn));
-        if self.swapped {
-            points.reverse();
-            tangents.reverse();
-        }
-        Some(Nearest { points, tangents })
+        Some(NearestPoints { points, couple: self, place, along })
     }
 }
 
-/// A point of each core that are perhaps the nearest, and the tangents there; `None` where the pair is of other
-/// kinds, or the cores meet.
-pub(crate) fn nearest_points(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Nearest> {
+/// A point of each of two cores that are perhaps the nearest.
+pub(crate) struct NearestPoints<'a> {
+    /// Each in its own frame.
+    pub(crate) points: [DVec3; 2],
+    couple: Couple<'a>,
+    /// The point of the other core, and along the edge that it is on or zeros, in the curved one's frame.
+    place: DVec3,
+    along: DVec3,
+}
+
+impl NearestPoints<'_> {
+    /// Those of the features that the points are on, world axes.
+    pub(crate) fn tangents(&self) -> [Tangents; 2] {
+        let of_round = Tangents { straight: [self.along, DVec3::ZERO], ..Tangents::default() };
+        let of_curved = Profile::of(self.couple.curved)
+            .map(|profile| profile.tangents(&profile.foot(self.place), 0.0))
+            .unwrap_or_default();
+        let turn = *self.couple.at.pose.rotation();
+        let [of_curved, of_round] = [of_curved, of_round].map(|tangents| tangents.turned(turn));
+        if self.couple.swapped { [of_round, of_curved] } else { [of_curved, of_round] }
+    }
+}
+
+/// A point of each core that are perhaps the nearest; `None` where the pair is of other kinds, or the cores meet.
+pub(crate) fn nearest_points<'a>(
+    a: PosedShape<'a>,
+    b: PosedShape<'a>,
+) -> Option<NearestPoints<'a>> {
     let couple = Couple::of(a, b)?;
-    couple.nearest(couple.ends()?)
+    let ends = couple.ends()?;
+    couple.nearest(ends)
 }
 
 /// The same of a curved shape and an edge of a polytope, given by its ends.
-pub(crate) fn nearest_points_to_edge(
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
+pub(crate) fn nearest_points_to_edge<'a>(
+    a: PosedShape<'a>,
+    b: PosedShape<'a>,
     ends: [DVec3; 2],
-) -> Option<Nearest> {
+) -> Option<NearestPoints<'a>> {
     Couple::of_any(a, b)?.nearest(ends)
 }
 

@@ -3,7 +3,7 @@
 //! From above they are no farther apart than the points, from below no nearer than both reach along the line between these
 //! (docs/numerics/proofs.md, "Round shapes").
 
-use super::feature_normal::{ASIDE, HARDLY_APART};
+use super::feature_normal::ASIDE;
 use super::{LENGTH, SIZES, UNIT};
 use crate::distance::{Distance, DistanceResult, rounded_up};
 use crate::mesh::Limited;
@@ -82,11 +82,6 @@ impl<'a> CurvedPoints<'a> {
         Points { direction, aside, lower: self.lower(direction), ..*points }
     }
 
-    /// Whether two points are so near each other that the line between them says little.
-    pub(super) fn are_hardly_apart(&self, points: &Points) -> bool {
-        points.length < HARDLY_APART * self.size
-    }
-
     /// The pair's size.
     pub(super) fn size(&self) -> f64 {
         self.size
@@ -138,6 +133,7 @@ impl Points {
         let CurvedPoints { curved: [in_a, in_b], poses: [pose_a, pose_b], size, radius, .. } =
             *pair;
         let upper = length * (1.0 + LENGTH * UNIT) + ABOVE * UNIT * size;
+        debug_assert!(!(upper < lower), "points that are not of the cores");
         // Written so that NaN is refused.
         if !(upper - lower <= gap.max(CLOSE * UNIT) * size && lower > pair.swept()) {
             return None;

@@ -15,7 +15,7 @@ const CROSSING: f64 = 1e-9;
 const UNSURE: f64 = 64.0;
 
 /// How long the difference of two points may be for its direction to be less than the features' own. Unit: the pair's size: a
-/// thousandth, where rounding turns it by a thousand u. Larger: normals that are not needed. Smaller: wider bounds.
+/// thousandth, where rounding turns it by some ten thousand u. Larger: normals that are not needed. Smaller: wider bounds.
 pub(crate) const HARDLY_APART: f64 = 1e-3;
 
 /// How far two points may be beside each other, seen along a normal that is proposed for them: what rounding leaves of nearest ones.
@@ -29,13 +29,6 @@ pub(crate) struct Tangents {
     pub(crate) straight: [DVec3; 2],
     /// Round an axis: there a normal that is turned a little costs its square.
     pub(crate) round: DVec3,
-}
-
-/// Points of two cores, each in its own frame, that are perhaps the nearest, and tangents of the features there, world axes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Nearest {
-    pub(crate) points: [DVec3; 2],
-    pub(crate) tangents: [Tangents; 2],
 }
 
 impl Tangents {

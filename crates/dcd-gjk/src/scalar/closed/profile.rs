@@ -88,7 +88,7 @@ impl Profile {
     }
 
     /// How much lower or higher than a foot the nearest rim is, and which.
-    pub(super) fn to_rim(&self, foot: &Foot) -> (f64, usize) {
+    pub(super) fn nearest_rim(&self, foot: &Foot) -> (f64, usize) {
         let [low, high] = self.heights.map(|height| (height - foot.point.z).abs());
         if high < low { (high, 1) } else { (low, 0) }
     }

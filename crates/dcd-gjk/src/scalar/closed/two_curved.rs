@@ -6,12 +6,12 @@
 
 use super::UNIT;
 use super::curved_points::CurvedPoints;
-use super::feature_normal;
+use super::feature_normal::{self, HARDLY_APART};
 use super::profile::{Foot, Part, Profile};
 use crate::PosedShape;
 use crate::mesh::Limited;
-use dcd_geom::Shape;
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
+use dcd_geom::{Curved, Shape};
 
 /// How often features are tried, and how often an angle is corrected, at most: two and four are usual. Fewer: points that the
 /// bounds refuse.
@@ -26,9 +26,12 @@ const PARALLEL: f64 = 1e-28;
 /// enough, and where all that f64 has is asked for. Radians: the bounds lose about its square. Larger: points that the bounds
 /// refuse. Smaller: corrections for nothing.
 const TURNED: f64 = 5e-4;
-const SHARPLY_TURNED: f64 = 1e-14;
+const SHARPLY_TURNED: f64 = 1e-8;
 
-/// How far a point moves by rounding alone. Unit: u of the pair's size; twice what two turns and a foot lose. Smaller: corrections
+/// The same where the points all but meet. Larger: points beside each other. Smaller: corrections for nothing.
+const HARDLY_TURNED: f64 = 1e-14;
+
+/// How far a point moves by rounding alone, where it counts. Unit: u of the pair's size; twice what two turns and a foot lose. Smaller: corrections
 /// without end where the shapes all but meet. Larger: points beside the nearest.
 const ROUNDING: f64 = 32.0;
 
@@ -76,8 +79,10 @@ struct Two {
     frame: Frame,
     /// How far the line between the points may be turned, radians.
     settled: f64,
-    /// What two points of a core may be apart and be the same, metres.
+    /// What two points of a core may be apart and be the same, metres; 0 where nothing is known of what all but meets.
     rounding: f64,
+    /// The square of the last distance of two points.
+    squared: f64,
     /// Whether the one is the second of the pair.
     swapped: bool,
     /// How often two sides have been tried: by their common normal, by the lines up them, then the nearest rim.
@@ -90,30 +95,47 @@ struct Two {
 pub(crate) fn distance([gap, far]: [f64; 2], [a, b]: [PosedShape<'_>; 2]) -> Option<Limited> {
     let (Shape::Curved(in_a), Shape::Curved(in_b)) = (a.shape, b.shape) else { return None };
     let points = CurvedPoints::of([in_a, in_b], [a.pose, b.pose])?;
-    let back = a.pose.rotation().transpose();
-    let delta = back * (b.pose.translation() - a.pose.translation());
-    let frame = Frame { turn: back * *b.pose.rotation(), delta };
-    let (me, other) = (Profile::of(in_a)?, Profile::of(in_b)?);
-    let settled = if gap > 0.0 { TURNED } else { SHARPLY_TURNED };
-    let rounding = ROUNDING * UNIT * points.size();
     let is_beyond = |[of_a, of_b]: [DVec3; 2]| points.between(of_a, of_b).are_beyond(&points, far);
-    let mut two = Two { me, other, frame, settled, rounding, swapped: false, tried_sides: 0 };
-    let on = match two.nearest(far, is_beyond)? {
-        Nearest::Beyond => return Some(Limited::Beyond),
-        Nearest::Points(on) => on,
+    let settled = if gap > 0.0 { TURNED } else { SHARPLY_TURNED };
+    let mut two = Two::of([in_a, in_b], [a, b], [settled, 0.0])?;
+    let found = match two.nearest(far, is_beyond) {
+        Some(Nearest::Beyond) => Some(Limited::Beyond),
+        Some(Nearest::Points(on)) => {
+            let [of_a, of_b] = two.in_order(on);
+            points.between(of_a, of_b).distance(&points, [gap, far])
+        }
+        None => None,
     };
+    let hardly = HARDLY_APART * points.size();
+    if found.is_some() || two.squared >= hardly * hardly {
+        return found;
+    }
+    let rounding = ROUNDING * UNIT * points.size();
+    let two = Two::of([in_a, in_b], [a, b], [HARDLY_TURNED, rounding])?;
+    let turns = [a, b].map(|side| *side.pose.rotation());
+    distance_of_features(two, &points, [gap, far], turns)
+}
+
+/// The same where they all but meet, by the common normal of the features on which the points are.
+#[cold]
+fn distance_of_features(
+    mut two: Two,
+    points: &CurvedPoints<'_>,
+    limits: [f64; 2],
+    [turn_a, turn_b]: [DMat3; 2],
+) -> Option<Limited> {
+    let Nearest::Points(on) = two.nearest(f64::INFINITY, |_| false)? else { return None };
     let [of_a, of_b] = two.in_order(on);
     let found = points.between(of_a, of_b);
-    let by_line = || found.distance(&points, [gap, far]);
-    let by_features = || {
-        let turn = if two.swapped { -*b.pose.rotation() } else { *a.pose.rotation() };
-        let mut normals = two.normals(on, points.size()).map(|normal| turn * normal);
-        normals.find_map(|normal| points.along(normal, &found).distance(&points, [gap, far]))
+    // To the first from the second, world axes.
+    let in_world = |normal: DVec3| match two.swapped {
+        false => turn_a * normal,
+        true => -(turn_b * normal),
     };
-    if points.are_hardly_apart(&found) {
-        return by_features().or_else(by_line);
-    }
-    by_line().or_else(by_features)
+    let mut normals = two.normals(on, points.size()).map(in_world);
+    normals
+        .find_map(|normal| points.along(normal, &found).distance(points, limits))
+        .or_else(|| found.distance(points, limits))
 }
 
 /// Points of both cores, each in its own frame: mine and the other's.
@@ -125,6 +147,20 @@ enum Nearest {
 }
 
 impl Two {
+    /// See the fields. `None` where a profile has no products of its lengths.
+    fn of(
+        curved: [&Curved; 2],
+        [a, b]: [PosedShape<'_>; 2],
+        [settled, rounding]: [f64; 2],
+    ) -> Option<Self> {
+        let back = a.pose.rotation().transpose();
+        let delta = back * (b.pose.translation() - a.pose.translation());
+        let frame = Frame { turn: back * *b.pose.rotation(), delta };
+        let (me, other) = (Profile::of(curved[0])?, Profile::of(curved[1])?);
+        let (swapped, tried_sides, squared) = (false, 0, f64::INFINITY);
+        Some(Self { me, other, frame, settled, rounding, squared, swapped, tried_sides })
+    }
+
     fn nearest(&mut self, far: f64, are_beyond: impl Fn([DVec3; 2]) -> bool) -> Option<Nearest> {
         let mut on_me = self.me.foot(self.frame.delta).point;
         let mut on_other = self.other.foot(self.frame.seen_by_other(on_me)).point;
@@ -137,14 +173,8 @@ impl Two {
             }
             let moved = foot.point.distance_squared(on_me);
             let squared = there.distance_squared(foot.point);
-            let foot_of_other = self.other.foot(self.frame.seen_by_other(foot.point));
-            // Beside a disc, or of two sides, that are all but parallel every point stays where it is.
-            let are_level = matches!(
-                (foot.part, foot_of_other.part),
-                (Part::Disc(_), _) | (_, Part::Disc(_)) | (Part::Side, Part::Side)
-            );
-            let is_told = tried > 0 || !are_level;
-            if is_told && self.is_settled(moved, squared) {
+            self.squared = squared;
+            if self.is_settled(moved, squared) && (tried > 0 || !self.is_perhaps_level(&foot)) {
                 return Some(Nearest::Points([on_me, on_other]));
             }
             if tried == 0
@@ -153,6 +183,7 @@ impl Two {
             {
                 return Some(Nearest::Beyond);
             }
+            let foot_of_other = self.other.foot(self.frame.seen_by_other(foot.point));
             [on_me, on_other] = self.solved(&foot, &foot_of_other)?;
         }
         None
@@ -162,6 +193,19 @@ impl Two {
     #[inline(always)]
     fn is_settled(&self, moved: f64, squared: f64) -> bool {
         moved <= (self.settled * self.settled) * squared + self.rounding * self.rounding
+    }
+
+    /// Whether a point beside a disc, or of two sides, may stay where it is because they are all but parallel, though the others
+    /// are nearer. That counts where they all but meet.
+    fn is_perhaps_level(&self, foot: &Foot) -> bool {
+        if self.rounding == 0.0 {
+            return false;
+        }
+        let foot_of_other = self.other.foot(self.frame.seen_by_other(foot.point));
+        matches!(
+            (foot.part, foot_of_other.part),
+            (Part::Disc(_), _) | (_, Part::Disc(_)) | (Part::Side, Part::Side)
+        )
     }
 
     /// What may be the direction to me from the other, in my frame, by the features that two points are on.
@@ -285,8 +329,8 @@ impl Two {
 
     /// The rim nearest to one of two points of the sides.
     fn nearest_rim(&self, [on_me, on_other]: [&Foot; 2]) -> OnSides {
-        let (of_me, up) = self.me.to_rim(on_me);
-        let (of_other, others_up) = self.other.to_rim(on_other);
+        let (of_me, up) = self.me.nearest_rim(on_me);
+        let (of_other, others_up) = self.other.nearest_rim(on_other);
         match of_me <= of_other {
             true => OnSides::BeyondMine(up),
             false => OnSides::BeyondOther(others_up),

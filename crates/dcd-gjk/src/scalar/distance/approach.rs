@@ -165,32 +165,29 @@ pub(crate) fn proposed<S: InBlocks>(
     proposal.along(difference, bounds, (gap, proposal.w))
 }
 
-/// The same with tangents of the features on which the points are, world axes: their common normal says more where the points all
-/// but meet.
+/// The same of points that may all but meet: there the common normal of the features on which they are says more than the line
+/// between them. The tangents are of these, world axes.
 pub(super) fn proposed_by_features<S: InBlocks>(
     difference: &Difference<'_, f64, S, S>,
     bounds: &Bounds<f64>,
     gap: f64,
-    (points, tangents): ([DVec3; 2], [Tangents; 2]),
+    (points, tangents): ([DVec3; 2], impl FnOnce() -> [Tangents; 2]),
 ) -> Option<Approach> {
     let proposal = Proposal::of(difference, points);
     let w = proposal.w;
-    let by_line = || proposal.along(difference, bounds, (gap, w));
-    let by_features = || {
-        // Along the normal points beside each other are not as far apart as they are, nor is what is swept round them.
-        let is_along = |found: &Approach| {
-            let n = of_unit_length(found.direction);
-            let aside = (w - n * n.dot(w)).length();
-            aside <= ASIDE * UNIT
-        };
-        normals(w, difference.size(), tangents)
-            .filter_map(|normal| proposal.along(difference, bounds, (gap, normal)))
-            .find(is_along)
-    };
-    if w.length() < HARDLY_APART {
-        return by_features().or_else(by_line);
+    let by_line = proposal.along(difference, bounds, (gap, w));
+    if by_line.is_some() || w.length() >= HARDLY_APART {
+        return by_line;
     }
-    by_line().or_else(by_features)
+    // Along the normal points beside each other are not as far apart as they are, nor is what is swept round them.
+    let is_along = |found: &Approach| {
+        let n = of_unit_length(found.direction);
+        let aside = (w - n * n.dot(w)).length();
+        aside <= ASIDE * UNIT
+    };
+    normals(w, difference.size(), tangents())
+        .filter_map(|normal| proposal.along(difference, bounds, (gap, normal)))
+        .find(is_along)
 }
 
 /// A point of each core, in its own frame, and their difference.
@@ -212,12 +209,14 @@ impl Proposal {
         bounds: &Bounds<f64>,
         (gap, direction): (f64, DVec3),
     ) -> Option<Approach> {
-        let Self { points: [point_a, point_b], w } = *self;
+        let Self { points, w } = *self;
+        let [point_a, point_b] = points;
         let direction = unit::<f64>(direction.to_array())?;
         let (_, separation) = lowest(difference, direction);
         let lower = bounds.lower_bound(direction, separation);
         let length = w.length();
         let upper = bounds.upper_bound(length) + PROPOSED * UNIT;
+        debug_assert!(!(upper < lower), "points that are not of the cores: {points:?}");
         let is_close = lower > 0.0 && upper - lower <= gap.max(CLOSE * UNIT);
         let support = |point| Support { point, feature: 0 };
         let mut simplex = Simplex::default();

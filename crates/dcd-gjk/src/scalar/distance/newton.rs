@@ -5,7 +5,8 @@
 
 use super::approach::{Approach, approach as search, approach_from, proposed_by_features};
 use crate::certificate::Bounds;
-use crate::closed::feature_normal::{Nearest, Tangents};
+use crate::closed::curved::{self, NearestPoints};
+use crate::closed::feature_normal::{HARDLY_APART, Tangents};
 use crate::{Difference, PosedShape, Verdict, Vertex, closed};
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
 use dcd_geom::{Curved, Shape, Support};
@@ -41,10 +42,11 @@ pub(super) fn approach(
     if !closed::SIZES.contains(&(difference.size() / difference.scale())) {
         return search(difference, bounds, gap, near);
     }
-    let by_points = |Nearest { points, tangents }: Nearest| {
-        proposed_by_features(difference, bounds, gap, (points, tangents))
+    let by_formula = |found: NearestPoints<'_>| {
+        let tangents = || found.tangents();
+        proposed_by_features(difference, bounds, gap, (found.points, tangents))
     };
-    if let Some(found) = closed::curved::nearest_points(a, b).and_then(by_points) {
+    if let Some(found) = curved::nearest_points(a, b).and_then(by_formula) {
         *near = found;
         return Ok(());
     }
@@ -52,15 +54,22 @@ pub(super) fn approach(
         return search(difference, bounds, gap, near);
     }
     search(difference, bounds, gap.max(FEATURES_ARE_KNOWN), near)?;
-    *near = match nearest_points(near, sides).and_then(by_points) {
+    let by_steps = |[in_a, in_b]: [Feature<'_>; 2]| {
+        let turned =
+            |of: &Feature<'_>, side: PosedShape<'_>| of.tangents().turned(*side.pose.rotation());
+        let tangents = || [turned(&in_a, a), turned(&in_b, b)];
+        let points = [in_a.point(), in_b.point()];
+        proposed_by_features(difference, bounds, gap, (points, tangents))
+    };
+    *near = match nearest_features(near, sides).and_then(by_steps) {
         Some(found) => found,
         None => {
             let last = approach_from(difference, bounds, [gap, f64::MAX], near.simplex)?
                 .or_earlier(near, bounds, gap);
             // Where the search has come after all, features may be known that were not before.
-            let is_open = last.upper - last.lower > gap.max(OPEN);
-            let of_features = || nearest_points(&last, sides).and_then(by_points);
-            let of_edge = || nearest_points_to_edge(&last, sides).and_then(by_points);
+            let is_open = last.length < HARDLY_APART && last.upper - last.lower > gap.max(OPEN);
+            let of_features = || nearest_features(&last, sides).and_then(by_steps);
+            let of_edge = || nearest_points_to_edge(&last, sides).and_then(by_formula);
             is_open.then(|| of_features().or_else(of_edge)).flatten().unwrap_or(last)
         }
     };
@@ -76,9 +85,8 @@ fn has_features(a: &Shape, b: &Shape) -> bool {
     )
 }
 
-/// A point of each core, in its own frame, that are perhaps the nearest, and tangents there, world axes; `None` where the steps
-/// lead nowhere.
-fn nearest_points(near: &Approach, [a, b]: [PosedShape<'_>; 2]) -> Option<Nearest> {
+/// A feature of each shape and the place on it that are perhaps the nearest; `None` where the steps lead nowhere.
+fn nearest_features<'a>(near: &Approach, [a, b]: [PosedShape<'a>; 2]) -> Option<[Feature<'a>; 2]> {
     let between = Between::of(a, b);
     let mut in_a = Feature::of(a.shape, near, |vertex| vertex.a)?;
     let mut in_b = Feature::of(b.shape, near, |vertex| vertex.b)?;
@@ -91,20 +99,20 @@ fn nearest_points(near: &Approach, [a, b]: [PosedShape<'_>; 2]) -> Option<Neares
             break;
         }
     }
-    let tangents =
-        [in_a.tangents().turned(*a.pose.rotation()), in_b.tangents().turned(*b.pose.rotation())];
-    Some(Nearest { points: [in_a.point(), in_b.point()], tangents })
+    Some([in_a, in_b])
 }
 
-/// The same of a curved shape and the edge or corner of a polytope where the search has come.
-fn nearest_points_to_edge(near: &Approach, [a, b]: [PosedShape<'_>; 2]) -> Option<Nearest> {
+/// A point of a curved shape and one of the edge or corner of a polytope where the search has come, perhaps the nearest.
+fn nearest_points_to_edge<'a>(
+    near: &Approach,
+    [a, b]: [PosedShape<'a>; 2],
+) -> Option<NearestPoints<'a>> {
     let is_second = matches!(b.shape, Shape::Polytope(_));
     let flat = match is_second {
         true => Feature::of(b.shape, near, |vertex| vertex.b)?,
         false => Feature::of(a.shape, near, |vertex| vertex.a)?,
     };
-    let ends = flat.edge()?;
-    closed::curved::nearest_points_to_edge(a, b, ends)
+    curved::nearest_points_to_edge(a, b, flat.edge()?)
 }
 
 /// The second shape's place in the frame of the first.
