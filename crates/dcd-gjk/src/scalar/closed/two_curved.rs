@@ -98,17 +98,18 @@ pub(crate) fn distance([gap, far]: [f64; 2], [a, b]: [PosedShape<'_>; 2]) -> Opt
     let is_beyond = |[of_a, of_b]: [DVec3; 2]| points.between(of_a, of_b).are_beyond(&points, far);
     let settled = if gap > 0.0 { TURNED } else { SHARPLY_TURNED };
     let mut two = Two::of([in_a, in_b], [a, b], [settled, 0.0])?;
-    let found = match two.nearest(far, is_beyond) {
-        Some(Nearest::Beyond) => Some(Limited::Beyond),
+    let hardly = HARDLY_APART * points.size();
+    match two.nearest(far, is_beyond) {
+        Some(Nearest::Beyond) => return Some(Limited::Beyond),
         Some(Nearest::Points(on)) => {
             let [of_a, of_b] = two.in_order(on);
-            points.between(of_a, of_b).distance(&points, [gap, far])
+            let found = points.between(of_a, of_b).distance(&points, [gap, far]);
+            if found.is_some() {
+                return found;
+            }
         }
-        None => None,
-    };
-    let hardly = HARDLY_APART * points.size();
-    if found.is_some() || two.squared >= hardly * hardly {
-        return found;
+        None if two.squared >= hardly * hardly => return None,
+        None => {}
     }
     let rounding = ROUNDING * UNIT * points.size();
     let two = Two::of([in_a, in_b], [a, b], [HARDLY_TURNED, rounding])?;
@@ -116,7 +117,7 @@ pub(crate) fn distance([gap, far]: [f64; 2], [a, b]: [PosedShape<'_>; 2]) -> Opt
     distance_of_features(two, &points, [gap, far], turns)
 }
 
-/// The same where they all but meet, by the common normal of the features on which the points are.
+/// The same where they all but meet or are all but parallel, by the common normal of the features on which the points are.
 #[cold]
 fn distance_of_features(
     mut two: Two,
