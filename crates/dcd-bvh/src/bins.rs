@@ -48,7 +48,8 @@ impl Centre {
 /// The bits of x, in the order of the numbers.
 #[inline(always)]
 fn ordered(x: f32) -> u64 {
-    let bits = x.to_bits();
+    // The sum of a negative 0 and 0 is 0: places that are equal have equal keys.
+    let bits = (x + 0.0).to_bits();
     u64::from(if bits >> 31 == 1 { !bits } else { bits | 1 << 31 })
 }
 
@@ -87,12 +88,40 @@ pub(crate) fn part<const AXIS: usize>(from: &[Centre], to: &mut [Centre], piece:
     if from.len() <= piece {
         return to.copy_from_slice(from);
     }
-    let mut bins = Bins::of::<AXIS>(from);
+    let (low, high) = extent(from, Centre::at::<AXIS>);
+    if low < high {
+        part_between::<AXIS>((from, to), piece, (low, high), Centre::at::<AXIS>);
+    } else {
+        // All are at one place, as things are that stand on a floor: their numbers decide.
+        let number = |centre: &Centre| centre.number() as f32;
+        part_between::<AXIS>((from, to), piece, extent(from, number), number);
+    }
+}
+
+/// [`part`] by bins between two places. `place` is in the order of the keys, but may be the same of several.
+#[inline(always)]
+fn part_between<const AXIS: usize>(
+    (from, to): (&[Centre], &mut [Centre]),
+    piece: usize,
+    (low, high): (f32, f32),
+    place: impl Fn(&Centre) -> f32,
+) {
+    let count = (from.len() / CENTRES_PER_BIN).next_power_of_two().min(BINS);
+    let intervals = Intervals::between(low, high, count);
+    let bin = |centre: &Centre| intervals.of(place(centre)) % BINS;
+    let mut next = [0u32; BINS];
+    from.iter().for_each(|centre| next[bin(centre)] += 1);
+    let mut start = 0;
+    for next in &mut next[..count] {
+        (*next, start) = (start, start + *next);
+    }
     for centre in from {
-        to[bins.next(centre.at::<AXIS>())] = *centre;
+        let next = &mut next[bin(centre)];
+        to[*next as usize] = *centre;
+        *next += 1;
     }
     let (mut start, mut end_of_piece) = (0, piece);
-    for end in bins.ends() {
+    for end in next[..count].iter().map(|&end| end as usize) {
         if end_of_piece < end {
             cut::<AXIS>(&mut to[start..end], start, piece);
             end_of_piece = end.next_multiple_of(piece);
@@ -101,51 +130,14 @@ pub(crate) fn part<const AXIS: usize>(from: &[Centre], to: &mut [Centre], piece:
     }
 }
 
-/// Bins of equal width, and where the next centre of each goes.
-struct Bins {
-    intervals: Intervals,
-    next: [u32; BINS],
-    count: usize,
-}
-
-impl Bins {
-    /// Round all of them: at least one.
-    fn of<const AXIS: usize>(centres: &[Centre]) -> Self {
-        let (low, high) = extent::<AXIS>(centres);
-        let count = (centres.len() / CENTRES_PER_BIN).next_power_of_two().min(BINS);
-        let intervals = Intervals::between(low, high, count);
-        let mut next = [0u32; BINS];
-        for centre in centres {
-            next[intervals.of(centre.at::<AXIS>()) % BINS] += 1;
-        }
-        let mut start = 0;
-        for next in &mut next[..count] {
-            (*next, start) = (start, start + *next);
-        }
-        Self { intervals, next, count }
-    }
-
-    /// Where the next centre at that place goes.
-    #[inline(always)]
-    fn next(&mut self, x: f32) -> usize {
-        let next = &mut self.next[self.intervals.of(x) % BINS];
-        *next += 1;
-        *next as usize - 1
-    }
-
-    /// Where each ends, when all centres are in their places.
-    fn ends(&self) -> impl Iterator<Item = usize> {
-        self.next[..self.count].iter().map(|&end| end as usize)
-    }
-}
-
-/// The least and the largest place along that axis, of at least one centre.
-fn extent<const AXIS: usize>(centres: &[Centre]) -> (f32, f32) {
-    let first = Vec4::splat(centres[0].at::<AXIS>());
+/// The least and the largest place of at least one centre.
+#[inline(always)]
+fn extent(centres: &[Centre], place: impl Fn(&Centre) -> f32) -> (f32, f32) {
+    let first = Vec4::splat(place(&centres[0]));
     let (mut low, mut high) = (first, first);
     let (fours, others) = centres.as_chunks::<4>();
-    let all = fours.iter().map(|four| four.map(|centre| centre.at::<AXIS>()));
-    let rest = others.iter().map(|centre| [centre.at::<AXIS>(); 4]);
+    let all = fours.iter().map(|four| [0, 1, 2, 3].map(|k| place(&four[k])));
+    let rest = others.iter().map(|centre| [place(centre); 4]);
     for places in all.chain(rest).map(Vec4::from_array) {
         (low, high) = (low.min(places), high.max(places));
     }
@@ -176,14 +168,16 @@ pub(crate) mod tests {
         Even,
         /// In three places along each axis.
         Equal,
+        /// In one, which is 0 of one sign or the other.
+        One,
         /// Half of them in two places far from each other, so that the bins are of no use.
         Clusters,
         /// As far apart as f32 reaches, and further than a difference does.
         Endless,
     }
 
-    pub(crate) const SPREADS: [Spread; 4] =
-        [Spread::Even, Spread::Equal, Spread::Clusters, Spread::Endless];
+    pub(crate) const SPREADS: [Spread; 5] =
+        [Spread::Even, Spread::Equal, Spread::One, Spread::Clusters, Spread::Endless];
 
     /// Boxes' centres in an order that looks like none.
     pub(crate) fn centres(count: usize, spread: Spread) -> Vec<Centre> {
@@ -193,6 +187,7 @@ pub(crate) mod tests {
             match spread {
                 Spread::Even => even,
                 Spread::Equal => (number(k) % 3) as f32,
+                Spread::One => 0.0 * even,
                 Spread::Clusters if k.is_multiple_of(2) => even,
                 Spread::Clusters => even * 1e-5 + if k % 4 == 1 { 1e30 } else { -1e-20 },
                 Spread::Endless => even * 3.8e35,
