@@ -40,6 +40,9 @@ pub struct PlaneRow {
 /// largest length of a vertex.
 const PRODUCT: f64 = 8.0;
 
+/// How far the square of a normal's length may be from 1: far above rounding. Larger: heights over planes that are not theirs.
+const UNIT_LENGTH: f64 = 1e-14;
+
 impl FacetPlanes {
     pub(crate) fn of(polytope: &Polytope) -> Self {
         let facets = polytope.facets();
@@ -50,7 +53,8 @@ impl FacetPlanes {
         let mut edges: BTreeMap<(u32, u32), i32> = BTreeMap::new();
         for facet in facets.facets() {
             let normal = facet.normal;
-            if normal == DVec3::ZERO {
+            // One of a face so small that squares underflow is none.
+            if !((normal.length_squared() - 1.0).abs() < UNIT_LENGTH) {
                 planes.has_inside = false;
                 continue;
             }
@@ -156,6 +160,23 @@ mod tests {
                 DVec3::new(r * angle.cos(), r * angle.sin(), z)
             })
             .collect()
+    }
+
+    #[test]
+    fn normals_are_of_unit_length_or_left_out() {
+        for exponent in -150..=70 {
+            let size = 10f64.powi(exponent);
+            let corner = |k: u32| DVec3::new(1.0, 0.7, 0.3) * size * sign(k);
+            let hull = Polytope::hull((0..8).map(corner).collect()).unwrap();
+            let planes = hull.planes();
+            let normals = (0..planes.len()).map(|k| planes.normal(k));
+            assert!(normals.clone().all(|n| (n.length() - 1.0).abs() < 1e-12), "{size:e}");
+            assert!(planes.len() == 6 || exponent < -70, "{size:e}: {}", planes.len());
+        }
+    }
+
+    fn sign(k: u32) -> DVec3 {
+        DVec3::from_array([0, 1, 2].map(|axis| if k >> axis & 1 == 0 { -1.0 } else { 1.0 }))
     }
 
     #[test]

@@ -240,7 +240,8 @@ pub enum Sides {
 /// After `layout` and after `prepare` on parts that cover every object once, in any order and on any
 /// threads, `decide` files every pair that it is given exactly once, contacts in the order of the pairs. A
 /// verdict depends on the two objects alone: not on the other pairs, their order, the scratch memory, the
-/// cut, or whether both are in one frame. The boxes that `prepare` writes contain the objects, and where
+/// cut, or whether both are in one frame. (But the numbers that the lanes measure of a pose that departs from a rotation by 1e-9 or
+/// more may be others, within their bounds, where the scene has other kinds of objects too.) The boxes that `prepare` writes contain the objects, and where
 /// `aabb_margin` is known lie in the objects' bounds swept by it. Where a `constant_answer` is known it is
 /// that of every two objects with a common point.
 ///

@@ -58,7 +58,7 @@ fn reach(shape: &Shape) -> f64 {
 
 /// Where Parry's own shape is. Its cylinders and cones are round the y axis, ours round z; its
 /// half-spaces end at the origin of their frame.
-fn in_parrys_frame(shape: &Shape, pose: &Pose) -> Pose {
+pub(crate) fn in_parrys_frame(shape: &Shape, pose: &Pose) -> Pose {
     let DMat3 { x_axis: x, y_axis: y, z_axis: z } = *pose.rotation();
     let moved = match shape {
         Shape::Curved(_) => Pose::from_matrix(DMat3::from_cols(x, z, -y), pose.translation()),

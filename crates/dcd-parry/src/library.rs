@@ -1,5 +1,6 @@
 //! The interface to Parry, written once for both of its builds.
 
+use crate::forms::in_parrys_frame;
 use dcd_exec::Exec;
 use dcd_geom::{
     Compound, CurvedKind, Kind, Mesh, Part, Polytope, Pose, Real, Shape, SupportMap, Vector,
@@ -133,8 +134,10 @@ macro_rules! behind_library {
 
             /// Parts that Parry has no shape for leave it without the compound.
             fn compound_form(compound: &Compound) -> Option<SharedShape> {
-                let part =
-                    |part: &Part| Some((<$real>::pose(&part.pose), <$real>::form(&part.shape)?));
+                let part = |part: &Part| {
+                    let pose = in_parrys_frame(&part.shape, &part.pose);
+                    Some((<$real>::pose(&pose), <$real>::form(&part.shape)?))
+                };
                 let parts = compound.parts().iter().map(part).collect::<Option<Vec<_>>>()?;
                 Some(SharedShape::compound(parts))
             }

@@ -1,8 +1,8 @@
 //! A robot's states by Parry in f64: what a user of Parry would write.
 
+use crate::forms::in_parrys_frame;
 use crate::world::Until;
 use crate::{Library, Query};
-use dcd_geom::glam::DMat3;
 use dcd_geom::{Pair, Pose, Scene, Shape};
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry3d_f64::math::Pose as ParryPose;
@@ -23,19 +23,22 @@ pub struct ParryRobot {
 
 impl ParryRobot {
     /// For a scene whose first `links` objects are the robot's, the others obstacles that stand still; pairs that the scene
-    /// does not allow are not checked. None, if Parry has no shape for one of them.
+    /// does not allow are not checked. None, if Parry has no shape for one of them, or there are fewer objects than links.
     pub fn new(scene: &Scene, links: usize) -> Option<Self> {
+        if scene.len() < links {
+            return None;
+        }
         let forms =
             scene.shapes().iter().map(<f64 as Library>::form).collect::<Option<Vec<_>>>()?;
-        let (own, world) = forms.split_at(links);
-        let placed = (links..).zip(world);
-        let obstacles: Vec<_> = placed.map(|(i, form)| (form.clone(), pose_of(scene, i))).collect();
+        let form_of = |i: usize| forms[scene.shape_index(i) as usize].clone();
+        let obstacles: Vec<_> =
+            (links..scene.len()).map(|i| (form_of(i), pose_of(scene, i))).collect();
         let boxes = obstacles.iter().map(|(form, pose)| form.compute_aabb(pose)).enumerate();
         let (all, own_links) = (scene.len() as u32, links as u32);
         let pairs = (0..own_links).flat_map(|i| (i + 1..all).map(move |j| Pair { i, j }));
         let (own_pairs, world_pairs): (Vec<_>, Vec<_>) = pairs.partition(|p| p.j < own_links);
         Some(Self {
-            links: own.to_vec(),
+            links: (0..links).map(form_of).collect(),
             tree: Bvh::from_iter(BvhBuildStrategy::Binned, boxes),
             obstacles,
             self_pairs: own_pairs.into_iter().filter(|p| scene.allows(p.i, p.j)).collect(),
@@ -99,13 +102,5 @@ impl ParryRobot {
 
 /// A pose of that shape in Parry's terms.
 fn parry_pose(shape: &Shape, pose: &Pose) -> ParryPose {
-    if let Shape::Curved(_) = shape {
-        let r = pose.rotation();
-        let turned = DMat3::from_cols(r.x_axis, r.z_axis, -r.y_axis);
-        // The columns of a rotation are one in this order too.
-        if let Ok(turned) = Pose::from_matrix(turned, pose.translation()) {
-            return <f64 as Library>::pose(&turned);
-        }
-    }
-    <f64 as Library>::pose(pose)
+    <f64 as Library>::pose(&in_parrys_frame(shape, pose))
 }

@@ -76,13 +76,15 @@ impl Setting {
         let query = Query::DirectIntersectionTest;
         let rival = ParryWorld::<f32>::new(&self.obstacles, &self.links, query)?;
         let posed = rival.place(&self.poses);
-        let mut hits = Segments::default();
+        let (mut hits, mut unanswered) = (Segments::default(), 0);
         let rounds = if effort == Effort::Quick { 3 } else { 10 };
         let [pair] = pairs_of(
             rounds,
             || [time(|| count(&mut checker, &self.poses, until, par)).0],
-            || [time(|| rival.query(&posed, until, Exec::from(par), &mut hits)).0],
+            || [time(|| unanswered = rival.query(&posed, until, Exec::from(par), &mut hits)).0],
         );
+        let refused = rival.refused_links().chain(rival.refused_obstacles()).count();
+        ensure!(unanswered == 0 && refused == 0, "Parry does not answer all");
         let ours = touching(&mut checker, &self.poses, until, par)?;
         let parrys: BTreeSet<Hit> = hits.iter().flatten().copied().collect();
         let (ours_wrong, parry_wrong) = match until {

@@ -77,6 +77,10 @@ pub fn nearest_point(point: DVec3, posed: PosedShape<'_>, limit: f64) -> Option<
     }
 }
 
+/// Cores in a smaller sphere, metres, are searched: squares of lengths near them lose digits to underflow. Smaller: points that are
+/// far off and called inside. Larger: more searches.
+const SMALLEST: f64 = 1e-70;
+
 /// What planes know of a point.
 enum Outcome {
     /// Proved: farther than the limit.
@@ -91,6 +95,9 @@ enum Outcome {
 /// margin holds.
 fn by_planes(point: DVec3, pose: &Pose, polytope: &Polytope, limit: f64) -> Outcome {
     let radius = polytope.swept_radius();
+    if polytope.outer_radius() < SMALLEST {
+        return Outcome::Open;
+    }
     let LocalPoint { point: local, margin, .. } =
         LocalPoint::of(point, pose, polytope.reach() + radius);
     let beyond = |least: f64| least - radius - margin > limit;

@@ -5,6 +5,7 @@ mod closed_forms;
 mod common;
 mod hulls;
 mod kinds;
+mod objects;
 mod parts;
 mod threads;
 mod undecided;

@@ -80,3 +80,18 @@ fn of_a_point_that_is_no_number_nothing_is_claimed() {
     let found = nearest_point(DVec3::NAN, posed, 1.0).unwrap();
     assert_eq!((found.lower, found.upper), (0.0, f64::INFINITY));
 }
+
+#[test]
+fn a_point_beside_a_cuboid_is_not_in_it_however_small_both_are() {
+    for exponent in -300..=30 {
+        let size = 10f64.powi(exponent);
+        let shape = Shape::cuboid(DVec3::splat(size)).unwrap();
+        let posed = PosedShape { shape: &shape, pose: &Pose::IDENTITY };
+        for times in [0.0, 0.5, 1.5, 4.0] {
+            let found = nearest_point(DVec3::X * (times * size), posed, f64::INFINITY).unwrap();
+            let truth = (times - 1.0).max(0.0) * size;
+            let holds = found.lower <= truth && truth <= found.upper;
+            assert!(holds, "{times} of {size:e}: {found:?}");
+        }
+    }
+}
