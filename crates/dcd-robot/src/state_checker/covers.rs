@@ -2,6 +2,7 @@
 
 use dcd_geom::{CurvedKind, Kind, Polytope, Pose, Shape, SphereBounds};
 use glam::DVec3;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// One of the spheres that cover a shape, in the shape's own frame, metres.
@@ -24,30 +25,46 @@ pub(crate) const STRETCH: f64 = 16.0 * dcd_geom::Pose::UNIT_TOLERANCE;
 
 /// Covers that were found, so that those who need the same one find it once.
 #[derive(Debug, Default)]
-pub(crate) struct Covers(Vec<(Shape, usize, Vec<CoverSphere>)>);
+pub(crate) struct Covers {
+    /// By where the shared data of a shape is, which stays there as long as the shape is held here.
+    shared: HashMap<(usize, usize), (Shape, Vec<CoverSphere>)>,
+    /// Of shapes that share nothing.
+    others: Vec<(Shape, usize, Vec<CoverSphere>)>,
+}
 
 impl Covers {
     /// [`cover`].
     pub(crate) fn of(&mut self, shape: &Shape, most: usize) -> Vec<CoverSphere> {
-        let known = self.0.iter().find(|(of, count, _)| *count == most && is_one(of, shape));
+        if let Some(address) = address_of(shape) {
+            let found = || (shape.clone(), cover(shape, most));
+            return self.shared.entry((address, most)).or_insert_with(found).1.clone();
+        }
+        let known = self.others.iter().find(|(of, count, _)| *count == most && is_one(of, shape));
         if let Some((.., found)) = known {
             return found.clone();
         }
         let found = cover(shape, most);
-        self.0.push((shape.clone(), most, found.clone()));
+        self.others.push((shape.clone(), most, found.clone()));
         found
+    }
+}
+
+/// Where a shape has the data that it shares with its clones, if it does.
+fn address_of(shape: &Shape) -> Option<usize> {
+    match shape {
+        Shape::Polytope(shared) => Some(Arc::as_ptr(shared).addr()),
+        Shape::Mesh(shared) => Some(Arc::as_ptr(shared).addr()),
+        Shape::Compound(shared) => Some(Arc::as_ptr(shared).addr()),
+        _ => None,
     }
 }
 
 /// Whether two shapes are clones of one.
 pub(crate) fn is_one(a: &Shape, b: &Shape) -> bool {
     match (a, b) {
-        (Shape::Polytope(a), Shape::Polytope(b)) => Arc::ptr_eq(a, b),
-        (Shape::Mesh(a), Shape::Mesh(b)) => Arc::ptr_eq(a, b),
-        (Shape::Compound(a), Shape::Compound(b)) => Arc::ptr_eq(a, b),
         (Shape::Curved(a), Shape::Curved(b)) => a == b,
         (Shape::Ellipsoid(a), Shape::Ellipsoid(b)) => a == b,
-        _ => false,
+        _ => address_of(a).is_some_and(|address| address_of(b) == Some(address)),
     }
 }
 
@@ -296,6 +313,22 @@ mod tests {
                 compound.parts().iter().flat_map(|part| extreme(part.placed())).collect()
             }
             convex => extreme(convex),
+        }
+    }
+
+    #[test]
+    fn a_cover_that_was_found_is_that_of_the_shape_and_of_its_clones() {
+        let (mut covers, shapes) = (Covers::default(), shapes());
+        for most in [1, 8, 1] {
+            for shape in shapes.iter().chain(&shapes.clone()) {
+                assert_eq!(covers.of(shape, most), cover(shape, most));
+            }
+        }
+        let known = covers.shared.len() + covers.others.len();
+        assert_eq!(known, 2 * shapes.len(), "found once for each number of spheres");
+        for (i, a) in shapes.iter().enumerate() {
+            let clones: Vec<bool> = shapes.clone().iter().map(|b| is_one(a, b)).collect();
+            assert!(clones.iter().enumerate().all(|(k, &is_clone)| is_clone == (k == i)));
         }
     }
 

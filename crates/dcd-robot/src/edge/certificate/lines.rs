@@ -235,13 +235,15 @@ fn allowed<'a>(
         Meets::Obstacles => b.link.is_none(),
     };
     let (mut allowed, mut required) = (BTreeSet::new(), BTreeSet::new());
-    for (i, a) in bodies.iter().enumerate() {
-        for (j, b) in bodies.iter().enumerate().skip(i + 1) {
+    // No two obstacles: there may be very many.
+    let of_robot = bodies.iter().enumerate().filter(|(_, body)| body.link.is_some());
+    for (i, a) in of_robot {
+        for (j, b) in bodies.iter().enumerate() {
             if a.link == b.link || !meets(a, b) || !meets(b, a) {
                 continue;
             }
             let names = [a.name.min(b.name), a.name.max(b.name)];
-            let is_checked = checked.contains(&[i as u32, j as u32]);
+            let is_checked = checked.contains(&sorted([i as u32, j as u32]));
             (if is_checked { &mut required } else { &mut allowed }).insert(names);
         }
     }
