@@ -1,5 +1,5 @@
-//! Sorts boxes into tiles by their centres: slabs of like count in x, strips of each slab in y, and z within a strip
-//! (sort-tile-recursive; S. Leutenegger et al., 1997).
+//! Sorts boxes into tiles by their centres: slabs of like count in x, strips of each slab in y, and leaves of each strip
+//! in z (sort-tile-recursive; S. Leutenegger et al., 1997).
 
 use crate::bins::{self, Centre};
 use crate::sample_sort::{PARTED_AT_ONCE, SampleSort};
@@ -15,8 +15,8 @@ pub(crate) struct Tiles {
 }
 
 impl Tiles {
-    /// The boxes by number, `leaf` of them a leaf, in the lower halves of the keys. No two centres count as equal: of those
-    /// that are, the one with the smaller number is first. So the order is that of the boxes alone.
+    /// Orders the boxes' centres by tiles, `leaf` of them a leaf; the order within a leaf is none in particular. No two centres
+    /// count as equal: of those that are, the one with the smaller number is first. The same whatever `exec` is.
     pub(crate) fn sort(&mut self, aabbs: &[Aabb], leaf: usize, exec: Exec) {
         let Self { centres, parted, sample_sort } = self;
         centres.resize(aabbs.len(), Centre::default());

@@ -83,8 +83,9 @@ impl<R: Library> ParryWorld<R> {
         Posed(links.zip(poses).map(place).collect())
     }
 
-    /// Replaces `hits` by what Parry says, configuration by configuration and link by link. Returns how many pairs that it was
-    /// asked for it did not answer. Of [refused](ParryWorld::refused_links) shapes it is not asked.
+    /// Replaces `hits` by what Parry says, configuration by configuration and link by link. Returns how many of the pairs that it
+    /// was asked about it did not answer: these may be hits. It is not asked about [refused](ParryWorld::refused_links) shapes.
+    #[must_use = "pairs that are not answered may be hits"]
     pub fn query(
         &self,
         posed: &Posed<R>,

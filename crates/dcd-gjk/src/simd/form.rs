@@ -22,8 +22,9 @@ pub(super) enum Form {
     Spheres,
     /// All are cuboids of radius 0: the sphere and OBB tests resolve their pairs.
     Cuboids,
-    /// The same of all that has vertices, parts of compounds too, where pairs are only decided: parts have no vertices, which
-    /// would be more than half of what is written of them, and those of others are not read.
+    /// All that would have vertices, whole objects and parts of compounds, are cuboids of radius 0, and pairs are only decided: by the
+    /// same tests. Parts have no vertices then, which would be more than half of what is written of them; whole objects have
+    /// theirs, which are not read.
     CuboidParts,
 }
 

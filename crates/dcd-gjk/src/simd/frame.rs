@@ -298,8 +298,8 @@ impl SimdFrame {
         let may_stand = cores.iter().chain(parts).any(|core| core.is_box);
         self.uprights.resize(if may_stand { scene.len() } else { 0 }, AxisAligned::default());
         let mut first = 0u32;
-        let is_any = matches!(self.form, Form::Any | Form::CuboidParts);
-        if is_any {
+        let have_blocks = matches!(self.form, Form::Any | Form::CuboidParts);
+        if have_blocks {
             for (record, &shape) in self.records.iter_mut().zip(scene.shape_of()) {
                 (*record, first) = laid_out(&cores[shape as usize], first);
             }
@@ -310,7 +310,7 @@ impl SimdFrame {
         self.boxes.resize(if boxed { self.records.len() } else { 0 }, ObbRecord::default());
         let blocks = self.compounds.blocks().unwrap_or(first);
         self.blocks.resize(blocks as usize, Block::default());
-        if !is_any {
+        if !have_blocks {
             constants(scene, &self.cores, &mut self.records, &mut self.boxes);
         }
     }

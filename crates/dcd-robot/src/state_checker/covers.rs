@@ -23,29 +23,18 @@ const COVER_MARGIN: f64 = 4e-9;
 /// [`dcd_geom::Pose::UNIT_TOLERANCE`] in each entry, products of links' rotations lose far less.
 pub(crate) const STRETCH: f64 = 16.0 * dcd_geom::Pose::UNIT_TOLERANCE;
 
-/// Covers that were found, so that those who need the same one find it once.
+/// Covers of shapes that share their data with clones, so that those who need the same one find it once: by where the data is, which
+/// stays there as long as the shape is held here, and how many spheres there are at most.
 #[derive(Debug, Default)]
-pub(crate) struct Covers {
-    /// By where the shared data of a shape is, which stays there as long as the shape is held here.
-    shared: HashMap<(usize, usize), (Shape, Vec<CoverSphere>)>,
-    /// Of shapes that share nothing.
-    others: Vec<(Shape, usize, Vec<CoverSphere>)>,
-}
+pub(crate) struct Covers(HashMap<(usize, usize), (Shape, Vec<CoverSphere>)>);
 
 impl Covers {
     /// [`cover`].
     pub(crate) fn of(&mut self, shape: &Shape, most: usize) -> Vec<CoverSphere> {
-        if let Some(address) = address_of(shape) {
-            let found = || (shape.clone(), cover(shape, most));
-            return self.shared.entry((address, most)).or_insert_with(found).1.clone();
-        }
-        let known = self.others.iter().find(|(of, count, _)| *count == most && is_one(of, shape));
-        if let Some((.., found)) = known {
-            return found.clone();
-        }
-        let found = cover(shape, most);
-        self.others.push((shape.clone(), most, found.clone()));
-        found
+        let find = || cover(shape, most);
+        // Others have a formula: to look for what was found would take longer.
+        let Some(address) = address_of(shape) else { return find() };
+        self.0.entry((address, most)).or_insert_with(|| (shape.clone(), find())).1.clone()
     }
 }
 
@@ -324,8 +313,8 @@ mod tests {
                 assert_eq!(covers.of(shape, most), cover(shape, most));
             }
         }
-        let known = covers.shared.len() + covers.others.len();
-        assert_eq!(known, 2 * shapes.len(), "found once for each number of spheres");
+        let shared = shapes.iter().filter(|shape| address_of(shape).is_some()).count();
+        assert_eq!(covers.0.len(), 2 * shared, "found once for each number of spheres");
         for (i, a) in shapes.iter().enumerate() {
             let clones: Vec<bool> = shapes.clone().iter().map(|b| is_one(a, b)).collect();
             assert!(clones.iter().enumerate().all(|(k, &is_clone)| is_clone == (k == i)));
