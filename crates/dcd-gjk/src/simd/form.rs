@@ -40,7 +40,8 @@ impl Form {
             Self::Cuboids
         } else if purpose == Purpose::Decide
             && !parts.is_empty()
-            && cores.cores().iter().chain(parts).all(is_known_by_box)
+            && cores.cores().iter().all(|core| core.blocks == 0 || is_cuboid(core))
+            && parts.iter().all(is_cuboid)
         {
             Self::CuboidParts
         } else {
@@ -49,8 +50,9 @@ impl Form {
     }
 }
 
-/// Whether no vertex of a core is needed beside its boxes, or it has none.
-fn is_known_by_box(core: &Core) -> bool {
-    let is_cuboid = core.is_box || core.is_nearly_box;
-    core.blocks == 0 || is_cuboid && core.has_obb && core.radius == 0.0
+/// Whether a core is its boxes, so that no vertex of it is needed. A whole object that the lanes do not know is none, and is resolved by
+/// itself; a part that they do not know, as a moved ellipsoid or a foreign shape, is none either, and would be passed by among
+/// parts that need no vertices.
+fn is_cuboid(core: &Core) -> bool {
+    (core.is_box || core.is_nearly_box) && core.has_obb && core.radius == 0.0
 }

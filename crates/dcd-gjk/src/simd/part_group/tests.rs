@@ -6,8 +6,9 @@ use crate::{
     Verdict, certified,
 };
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
-use dcd_geom::{Aabb, Pair, Pose, Scene, Shape};
+use dcd_geom::{Aabb, Pair, Pose, Scene, Shape, Support, SupportMap};
 use dcd_simd::Path;
+use std::sync::Arc;
 
 fn paths() -> impl Iterator<Item = Path> {
     Path::ALL.into_iter().filter(|path| path.is_available())
@@ -200,6 +201,55 @@ fn compounds_without_vertices_touch_as_exact_numbers_have_it() {
         }
     }
     assert!(found.iter().all(|&count| count > 500), "{found:?}");
+}
+
+/// A ball about the origin, known by its support map alone.
+struct Ball;
+
+impl SupportMap<f64> for Ball {
+    fn support(&self, direction: DVec3) -> Support<f64> {
+        Support::of_point(direction.normalize_or(DVec3::X) * 0.4)
+    }
+
+    fn support_error(&self) -> f64 {
+        1e-15
+    }
+}
+
+#[test]
+fn parts_that_the_lanes_do_not_know_are_not_passed_by_beside_cuboids() {
+    let mut found = [0; 2];
+    for seed in 0..40 {
+        let cuboid = Shape::cuboid(DVec3::new(0.3, 0.2, 0.1)).unwrap();
+        let unknown = [
+            Shape::ellipsoid(DVec3::new(0.3, 0.4, 0.5)).unwrap(),
+            Shape::custom(Arc::new(Ball)).unwrap(),
+        ];
+        let compound = |k: usize| {
+            // An ellipsoid that is not moved has vertices.
+            let place = if k == 3 { Pose::IDENTITY } else { pose(k + 7 * seed, 1.0) };
+            let parts =
+                [(cuboid.clone(), pose(k + 5 * seed, 1.0)), (unknown[k % 2].clone(), place)];
+            Shape::compound(parts.to_vec()).unwrap()
+        };
+        // Without a whole object that has vertices.
+        let shapes: Vec<_> = (0..4).map(compound).chain([cuboid.clone(), cuboid.clone()]).collect();
+        let poses = (0..shapes.len()).map(|k| pose(k + 31 * seed, 0.7)).collect();
+        let scene = Scene::one_each(shapes, poses).unwrap();
+        for path in paths() {
+            let all = touching(&Overlap::on(path), &scene);
+            for i in 0..scene.len() as u32 {
+                for j in i + 1..scene.len() as u32 {
+                    let [a, b] = [i, j].map(|k| PosedShape::of(&scene, k));
+                    let is_touching = certified::overlap_of(a, b).0 == Verdict::Touching(());
+                    let what = format!("{path:?} {seed} {i} {j}");
+                    assert_eq!(all.contains(&Pair { i, j }), is_touching, "{what}");
+                    found[usize::from(is_touching)] += 1;
+                }
+            }
+        }
+    }
+    assert!(found.iter().all(|&count| count > 100), "{found:?}");
 }
 
 #[test]
