@@ -200,12 +200,15 @@ fn face_error<R: Real>(x: &Triple<R>, y: &Triple<R>, z: &Triple<R>, error: R) ->
 }
 
 /// The length of Σλw/Σλ for any weights λ ≥ 0.
-pub(crate) fn combined_length<R: Real>(points: &[Vertex<R>], weights: &[R]) -> R {
+pub(crate) fn combined_length<'v, R: Real + 'v>(
+    points: impl IntoIterator<Item = &'v Vertex<R>>,
+    weights: &[R],
+) -> R {
     // Weights are volumes and may be tiny: scaled, so that no square of the sum underflows.
     let largest = weights.iter().fold(R::ZERO, |m, &weight| m.max(weight));
     let mut sum = [R::ZERO; 3];
     let mut total = R::ZERO;
-    for (vertex, &weight) in points.iter().zip(weights) {
+    for (vertex, &weight) in points.into_iter().zip(weights) {
         let weight = weight / largest;
         let w = vertex.w.components();
         sum = [sum[0] + w[0] * weight, sum[1] + w[1] * weight, sum[2] + w[2] * weight];

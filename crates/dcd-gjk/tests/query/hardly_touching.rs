@@ -8,7 +8,10 @@ use super::manifold_points::{
 use super::scenes::Draw;
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Pose, Shape, SupportMap};
-use dcd_gjk::{Accuracy, Distance, Manifolds, PosedShape, SimdDepths, SimdDistances, Verdict};
+use dcd_gjk::distance::distance_at;
+use dcd_gjk::{
+    Accuracy, Distance, DistanceResult, Manifolds, PosedShape, SimdDepths, SimdDistances, Verdict,
+};
 use dcd_pipeline::prelude::{Pair, Par, Pipeline, Scene, WideTree};
 
 /// Whether the points of a distance are of their surfaces, and as far apart along the normal as it says.
@@ -36,6 +39,47 @@ fn judge_distance(found: &Distance, sides: [PosedShape<'_>; 2], what: &str) {
     let is_open = found.distance <= unsure
         || verdict(a, PosedShape { pose: &pose, ..b }) != Verdict::Touching(());
     assert!(is_open, "{what}: {found:?}");
+}
+
+#[test]
+fn points_of_a_disc_that_all_but_touches_an_edge_are_as_near_as_the_distance() {
+    let pose = |turn: [f64; 9], at: [f64; 3]| {
+        Pose::from_matrix(DMat3::from_cols_array(&turn), at.into()).unwrap()
+    };
+    let turn_a = [
+        0.44811106181877813,
+        0.831353983246874,
+        -0.32870508182138514,
+        0.8934169560710642,
+        -0.40343573144797373,
+        0.19759998278277494,
+        0.03166415766069719,
+        -0.38221743174611356,
+        -0.9235297591247638,
+    ];
+    let turn_b = [
+        -0.10644860485459118,
+        0.9647148964839585,
+        0.24081915004097332,
+        0.185350708942349,
+        -0.21869778060242728,
+        0.958027345880138,
+        0.9768898654500824,
+        0.14661667456847566,
+        -0.15553051636062287,
+    ];
+    let place = [-0.5396490424790643, 1.2619488022447742, -0.2862601027269076];
+    let (pose_a, pose_b) = (pose(turn_a, [0.0; 3]), pose(turn_b, place));
+    let cuboid = Shape::cuboid(DVec3::new(0.5, 0.75, 1.0)).unwrap();
+    let disc = Shape::cylinder(0.01, 0.5).unwrap();
+    let a = PosedShape { shape: &cuboid, pose: &pose_a };
+    let b = PosedShape { shape: &disc, pose: &pose_b };
+    for accuracy in [Accuracy::F64, Accuracy::Certified] {
+        let DistanceResult::Apart(found) = distance_at(accuracy, a, b).0 else { panic!() };
+        let apart = found.point_a.distance(found.point_b);
+        // They were 3.3e-6 apart, by weights that were rounding.
+        assert!(apart <= found.upper() + 1e-11, "{accuracy:?} {apart} {found:?}");
+    }
 }
 
 /// Two shapes whose cores are beside each other along an axis of the world, apart or overlapping by next to nothing, and

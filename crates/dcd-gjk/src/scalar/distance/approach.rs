@@ -10,6 +10,10 @@ use crate::{Difference, PosedSupport, Reason, Verdict, Vertex};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Support, SupportMap};
 
+/// How much farther away the next point may be by what its length loses. Unit: u, lengths below 1. Derived: 12. Larger: points that weights
+/// of rounding make. Smaller: searches that end early.
+const COMBINED: f64 = 16.0;
+
 /// The nearest point found. Lengths are those of the difference.
 #[derive(Clone, Copy)]
 pub(crate) struct Approach {
@@ -110,10 +114,17 @@ impl Approach {
                 best.simplex.truncate(known);
                 break;
             }
+            let vertices = best.simplex.vertices();
+            let kept = near.kept[..near.count].iter().map(|&k| &vertices[k]);
+            let length = combined_length(kept, near.weights());
+            // Of a flat tetrahedron the weights may be rounding: the point that they make is farther away then.
+            if known > 0 && length > best.length + COMBINED * UNIT {
+                best.simplex.truncate(known);
+                break;
+            }
             nearest_so_far = squared;
             best.simplex.keep(&near);
-            best.weights = near.weights;
-            best.length = combined_length(best.simplex.vertices(), near.weights());
+            (best.weights, best.length) = (near.weights, length);
             best.upper = best.upper.min(bounds.upper_bound(best.length));
             if bounds.simplex_touches(&best.simplex) {
                 return Err(Verdict::Touching(()));
