@@ -1,7 +1,7 @@
 //! The lines of a certificate as they stand in the file. What is not known is refused.
 
-use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde::{Deserialize, Deserializer};
 
 /// The only version there is.
 pub(super) const FORMAT: &str = "dcd-edges-1";
@@ -10,6 +10,11 @@ pub(super) const FORMAT: &str = "dcd-edges-1";
 #[derive(Debug, Deserialize)]
 pub(super) struct Kind {
     pub(super) certificate: Option<IgnoredAny>,
+}
+
+/// What may be null, but is not left out.
+fn required<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    Option::deserialize(deserializer)
 }
 
 /// A robot in its world.
@@ -57,6 +62,8 @@ pub(super) enum MotionLine {
 #[serde(deny_unknown_fields)]
 pub(super) struct BodyLine {
     pub(super) name: String,
+    // Left out it would stand still, and need be apart from no obstacle.
+    #[serde(deserialize_with = "required")]
     pub(super) link: Option<String>,
     #[serde(default)]
     pub(super) meets: Meets,
@@ -111,6 +118,7 @@ pub(super) struct EdgeLine {
 #[serde(deny_unknown_fields)]
 pub(super) struct PairLine {
     pub(super) bodies: [usize; 2],
+    #[serde(deserialize_with = "required")]
     pub(super) frame: Option<String>,
     pub(super) planes: Vec<Vec<f64>>,
 }

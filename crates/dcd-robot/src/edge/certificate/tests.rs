@@ -348,6 +348,22 @@ fn a_key_that_stands_twice_is_refused() {
 }
 
 #[test]
+fn what_stands_still_says_so() {
+    let honest = honest();
+    // Without its link a body would stand still, and need be apart from no obstacle.
+    let bodies = honest[0]["bodies"].as_array().unwrap().len();
+    for body in 0..bodies {
+        let mut forged = honest.clone();
+        forged[0]["bodies"][body].as_object_mut().unwrap().remove("link").unwrap();
+        let refused = judged(&forged).unwrap_err();
+        assert!(refused.contains("missing field `link`"), "{refused}");
+    }
+    let mut forged = honest.clone();
+    forged[1]["pairs"][0].as_object_mut().unwrap().remove("frame").unwrap();
+    assert_refused(&forged, "a pair without a frame");
+}
+
+#[test]
 fn planes_count_in_another_world_only_where_that_is_free_too() {
     let mut draw = Draw::new();
     let [mut accepted, mut hits, mut rounds] = [0; 3];
