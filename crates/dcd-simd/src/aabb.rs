@@ -24,8 +24,8 @@ impl Aabb {
     pub const EVERYTHING: Self =
         Self { min: Vec3::splat(f32::NEG_INFINITY), max: Vec3::splat(f32::INFINITY) };
 
-    /// How far an object may reach along an axis, in metres: a power of two small enough to
-    /// add two coordinates and to scale them by a rounding bound without overflow in f32.
+    /// How far an object may reach along an axis, in metres: small enough to add two coordinates and
+    /// to scale them by a rounding bound without overflow in f32.
     pub const LIMIT: f64 = 1.0e37;
 
     /// The smallest f32 AABB that contains the f64 one.

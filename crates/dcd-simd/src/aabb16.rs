@@ -82,8 +82,8 @@ impl Aabb16 {
         depth
     }
 
-    /// At most how far each of the sixteen is from that AABB, in their unit: between 1e-18 and 1e19 less than three millionths of it
-    /// less, below perhaps 0, above at least 1e19. Infinite of an empty AABB.
+    /// At most how far each of the sixteen is from that AABB, in their unit: between 1e-18 and 9e18 less than three millionths of it
+    /// less, below perhaps 0, above at least 9e18. Infinite of an empty AABB, and where the way along an axis is above all f32.
     #[inline(always)]
     pub fn gaps<L: Lanes>(&self, l: L, one: &Aabb) -> L::F {
         let (min, max) = (one.min.to_array(), one.max.to_array());
