@@ -15,6 +15,7 @@ mod nearest_parts;
 mod patches;
 mod proximity;
 mod ranks;
+mod round_depths;
 mod scenes;
 mod sphere_scenes;
 mod surfaces;

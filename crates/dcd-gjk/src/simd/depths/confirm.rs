@@ -2,17 +2,18 @@
 
 use super::super::bounds::U;
 use super::super::cores::Core;
+use super::body::Body;
 use super::search::{Cloud, LENGTH, OFF, REACH};
 use super::surface::{Point, Surface};
 use super::vectors::Bits;
 use crate::difference::power_of_two_below_one;
-use crate::distance::rounded_up;
+use crate::distance::{gap_along, rounded_up};
 use crate::epa::Depth;
 use crate::expanding::{Ending, FACING, confirmed_depth, is_inside};
 use crate::query::FoundDepth;
 use crate::{Accuracy, Difference, PosedShape, PosedSupport, order};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Kind, Polytope, Pose};
+use dcd_geom::{Kind, Polytope, Shape};
 use dcd_simd::{Block, Lanes};
 
 /// A hull with more blocks of vertices is searched in f64. Blocks of sixteen.
@@ -40,19 +41,23 @@ pub(super) struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    /// Its core, of a polytope that the lanes know.
+    /// Its core, of a polytope, cylinder or cone that the lanes know.
     #[inline(always)]
-    fn polytope(&self) -> Option<&'a Polytope> {
-        let polytope = self.placed.shape.as_polytope()?;
-        (1..=BLOCKS).contains(&self.blocks.len()).then_some(polytope)
+    fn body(&self) -> Option<Body<'a>> {
+        let body = match self.placed.shape {
+            Shape::Polytope(polytope) => Body::Polytope(polytope),
+            Shape::Curved(curved) => Body::Curved(curved),
+            _ => return None,
+        };
+        (1..=BLOCKS).contains(&self.blocks.len()).then_some(body)
     }
 }
 
-/// A pair of polytopes in its order by content, of which the cores are searched.
+/// A pair in its order by content, of which the cores are searched.
 pub(super) struct SearchedPair<'a> {
     pub(super) cloud: Cloud<'a>,
-    polytopes: [&'a Polytope; 2],
-    poses: [&'a Pose; 2],
+    bodies: [Body<'a>; 2],
+    sides: [PosedShape<'a>; 2],
     is_swapped: bool,
     /// Whether a radius is swept round either: the depth is that of the cores and the radii.
     is_swept: bool,
@@ -60,6 +65,14 @@ pub(super) struct SearchedPair<'a> {
     size: f64,
     /// The difference's lengths by metres: a power of two.
     scale: f64,
+}
+
+/// Where a direction leaves A − B.
+struct Leaving {
+    /// The points of a and of b there, turned but not moved.
+    turned: [DVec3; 2],
+    /// From that of b to that of a.
+    way: DVec3,
 }
 
 /// The end of a search.
@@ -76,18 +89,22 @@ impl<'a> SearchedPair<'a> {
     /// `None` of shapes that are not searched, and of pairs outside f32's range.
     #[inline(always)]
     pub(super) fn of([a, b]: [Side<'a>; 2], accuracy: Accuracy) -> Option<Self> {
-        let polytopes = [a.polytope()?, b.polytope()?];
-        let is_swept = polytopes.iter().any(|polytope| polytope.swept_radius() > 0.0);
-        if has_formula(polytopes, is_swept, accuracy) {
+        let bodies = [a.body()?, b.body()?];
+        let is_swept = bodies.iter().any(|body| body.swept_radius() > 0.0);
+        let is_searched = match bodies.map(Body::as_polytope) {
+            [Some(in_a), Some(in_b)] => !has_formula([in_a, in_b], is_swept, accuracy),
+            in_sides => are_searched_by_rims(in_sides, is_swept, accuracy),
+        };
+        if !is_searched {
             return None;
         }
         let is_swapped = order::is_swapped(a.placed, b.placed);
         let (a, b) = if is_swapped { (b, a) } else { (a, b) };
-        let polytopes = if is_swapped { [polytopes[1], polytopes[0]] } else { polytopes };
+        let bodies = if is_swapped { [bodies[1], bodies[0]] } else { bodies };
         let poses = [a.placed.pose, b.placed.pose];
         let stretch = [1.0 + poses[0].deviation(), 1.0 + poses[1].deviation()];
         let apart = poses[0].translation() - poses[1].translation();
-        let reach = polytopes[0].reach() * stretch[0] + polytopes[1].reach() * stretch[1];
+        let reach = bodies[0].reach() * stretch[0] + bodies[1].reach() * stretch[1];
         let size = reach + apart.abs().element_sum();
         let scale = power_of_two_below_one(size)?;
         (1e-24..1e24).contains(&scale).then_some(())?;
@@ -97,13 +114,18 @@ impl<'a> SearchedPair<'a> {
         let m = outer + middle.abs().element_sum();
         // Much above 1 only for shapes far from their own origins; far below, f64 sees more than f32.
         (2f64.powi(-20)..4.0).contains(&m).then_some(())?;
+        let [body_a, body_b] = bodies;
         let cloud = Cloud {
-            blocks: [a.blocks, b.blocks],
+            points: [
+                body_a.points((poses[0].rotation(), a.core.centre), a.blocks),
+                body_b.points((poses[1].rotation(), b.core.centre), b.blocks),
+            ],
             scale: scale as f32,
             middle: middle.as_vec3(),
             unit: U * (m as f32 * (1.0 + 4.0 * U)),
         };
-        Some(Self { cloud, polytopes, poses, is_swapped, is_swept, size, scale })
+        let sides = [a.placed, b.placed];
+        Some(Self { cloud, bodies, sides, is_swapped, is_swept, size, scale })
     }
 
     /// What is of a and of b, in the order of the search.
@@ -122,7 +144,8 @@ impl<'a> SearchedPair<'a> {
     /// f32 would do: the bounds are those of the search that they have pair by pair.
     #[inline(always)]
     pub(super) fn sharpened(&self, accuracy: Accuracy) -> Accuracy {
-        if self.is_swept && accuracy == Accuracy::F32 { Accuracy::F64 } else { accuracy }
+        let is_sharpened = self.is_swept && !self.cloud.is_round() && accuracy == Accuracy::F32;
+        if is_sharpened { Accuracy::F64 } else { accuracy }
     }
 
     /// The depth, known as well as the accuracy requires.
@@ -144,9 +167,15 @@ impl<'a> SearchedPair<'a> {
         let found = match self.sharpened(accuracy) {
             Accuracy::F32 => {
                 let lower = if holds_origin { least * LENGTH - off } else { 0.0 };
-                let upper = f64::from(ended.reach) * (2.0 - LENGTH) + REACH * unit;
-                let depth = self.bounded(ended, near, [lower, upper])?;
-                FoundDepth { depth, farthest: Some(self.vertices(&ended.farthest)) }
+                let farthest = self.vertices(&ended.farthest);
+                let depth = match farthest {
+                    Some(_) => {
+                        let upper = f64::from(ended.reach) * (2.0 - LENGTH) + REACH * unit;
+                        self.bounded(ended, near, [lower, upper])?
+                    }
+                    None => self.by_reach(ended, near, lower)?,
+                };
+                FoundDepth { depth, farthest }
             }
             accuracy => {
                 let others = holds_origin.then_some(limit * LENGTH - off);
@@ -159,19 +188,26 @@ impl<'a> SearchedPair<'a> {
     /// Prefetches what is around the vertices of a and of b that make a point.
     #[inline(always)]
     pub(super) fn prefetch_half_edges(&self, point: &Point) {
-        for (polytope, vertex) in self.polytopes.into_iter().zip(self.vertices(point)) {
-            polytope.prefetch_half_edges(vertex);
+        if let (Some([a, b]), Some([of_a, of_b])) = (self.polytopes(), self.vertices(point)) {
+            a.prefetch_half_edges(of_a);
+            b.prefetch_half_edges(of_b);
         }
     }
 
-    /// The vertices of a and of b that make a point.
+    /// Both, if they are polytopes.
     #[inline(always)]
-    fn vertices(&self, point: &Point) -> [u32; 2] {
-        let [of_a, of_b] = point.vertices;
+    fn polytopes(&self) -> Option<[&'a Polytope; 2]> {
+        let [a, b] = self.bodies;
+        Some([a.as_polytope()?, b.as_polytope()?])
+    }
+
+    /// The vertices of a and of b that make a point, if both are polytopes.
+    #[inline(always)]
+    fn vertices(&self, point: &Point) -> Option<[u32; 2]> {
+        let ([a, b], [of_a, of_b]) = (self.polytopes()?, point.numbers);
         // The last block is filled up with the last vertex.
         let last = |polytope: &Polytope| polytope.vertices().len() as u32 - 1;
-        let [a, b] = self.polytopes;
-        [of_a.min(last(a)), of_b.min(last(b))]
+        Some([of_a.min(last(a)), of_b.min(last(b))])
     }
 
     /// Measures the faces that may be the nearest in f64.
@@ -185,12 +221,11 @@ impl<'a> SearchedPair<'a> {
         let mut faces = [[[0; 2]; 3]; MOST];
         let mut count = 0;
         for face in near {
-            *faces.get_mut(count)? = surface.corners(face).map(|corner| corner.vertices);
+            *faces.get_mut(count)? = surface.corners(face).map(|corner| corner.numbers);
             count += 1;
         }
-        let [a, b] = self.polytopes;
-        let bodies =
-            [PosedSupport::polytope(a, self.poses[0]), PosedSupport::polytope(b, self.poses[1])];
+        let ([a, b], [of_a, of_b]) = (self.polytopes()?, self.sides);
+        let bodies = [PosedSupport::polytope(a, of_a.pose), PosedSupport::polytope(b, of_b.pose)];
         let difference = Difference::new(bodies[0], bodies[1])?;
         confirmed_depth(difference, bodies, accuracy, &Ending { faces: &faces[..count], others })
     }
@@ -198,8 +233,37 @@ impl<'a> SearchedPair<'a> {
     /// The depth along the nearest face's normal, with f32's bounds of it.
     #[inline(always)]
     fn bounded(&self, ended: &Ended<'_>, near: Bits, [lower, upper]: [f64; 2]) -> Option<Depth> {
+        let normal = ended.surface.normal(ended.nearest).as_dvec3().try_normalize()?;
+        let leaving = self.leaving_along(ended, near, normal)?;
+        let depth = normal.dot(leaving.way).max(0.0);
+        let (lower, upper) = (lower / self.scale, upper / self.scale);
+        self.found((normal, depth), (upper - depth).max(depth - lower), &leaving)
+    }
+
+    /// The same of a pair of which one is a cylinder or cone: how far A − B reaches along that normal is known in f64, and the
+    /// depth is no less than f32's bound from below, that of the cores and their radii. `None` where only the radii may overlap.
+    fn by_reach(&self, ended: &Ended<'_>, near: Bits, lower: f64) -> Option<Depth> {
+        let ([a, b], radii) = (self.sides, self.bodies.map(Body::swept_radius));
+        if self.is_swept && !(lower > 0.0) {
+            return None;
+        }
+        let normal = ended.surface.normal(ended.nearest).as_dvec3().try_normalize()?;
+        let leaving = self.leaving_along(ended, near, normal)?;
+        let (depth, swept) = ((-gap_along(a, b, normal)?).max(0.0), radii[0] + radii[1]);
+        let of_cores = depth - swept;
+        let found = self.found((normal, of_cores), of_cores - lower / self.scale, &leaving)?;
+        Some(Depth {
+            depth,
+            point_a: found.point_a + normal * radii[0],
+            point_b: found.point_b - normal * radii[1],
+            ..found
+        })
+    }
+
+    /// Where the nearest face's normal leaves the surface.
+    #[inline(always)]
+    fn leaving_along(&self, ended: &Ended<'_>, near: Bits, normal: DVec3) -> Option<Leaving> {
         let along = ended.surface.normal(ended.nearest);
-        let normal = along.as_dvec3().try_normalize()?;
         // The face by which the normal leaves the surface.
         let mut best = (f32::NEG_INFINITY, ended.nearest);
         for face in near {
@@ -216,35 +280,37 @@ impl<'a> SearchedPair<'a> {
                 best = (least, face);
             }
         }
-        let [turned_a, turned_b] = self.leaving(ended.surface.corners(best.1), normal)?;
-        let [t_a, t_b] = [self.poses[0].translation(), self.poses[1].translation()];
-        let way = (turned_a - turned_b) + (t_a - t_b);
-        let depth = normal.dot(way).max(0.0);
-        let (lower, upper) = (lower / self.scale, upper / self.scale);
-        let error_bound = rounded_up((upper - depth).max(depth - lower) + ROUNDED * self.size);
+        self.leaving(ended.surface.corners(best.1), normal)
+    }
+
+    /// The depth of the cores along a normal, off by so much but for the arithmetic in f64, if that is good enough.
+    #[inline(always)]
+    fn found(&self, (normal, depth): (DVec3, f64), error: f64, leaving: &Leaving) -> Option<Depth> {
+        let error_bound = rounded_up(error.max(0.0) + ROUNDED * self.size);
         // Where the normal leaves by none of these faces, the points are beside it.
-        let is_along = (way - normal * depth).length() <= WORST * self.size;
+        let is_along = (leaving.way - normal * depth).length() <= WORST * self.size;
         let is_good = is_along && error_bound <= WORST * self.size && normal.is_finite();
+        let [a, b] = self.sides;
         is_good.then(|| Depth {
             depth,
             normal,
-            point_a: t_a + turned_a,
-            point_b: t_b + turned_b,
+            point_a: a.pose.translation() + leaving.turned[0],
+            point_b: b.pose.translation() + leaving.turned[1],
             error_bound,
         })
     }
 
-    /// The points of a and of b, turned but not moved, where a direction leaves a triangle of A − B.
+    /// Where a direction leaves a triangle of A − B.
     #[inline(always)]
-    fn leaving(&self, corners: [Point; 3], direction: DVec3) -> Option<[DVec3; 2]> {
-        let [turn_a, turn_b] = [self.poses[0].rotation(), self.poses[1].rotation()];
-        let apart = self.poses[0].translation() - self.poses[1].translation();
+    fn leaving(&self, corners: [Point; 3], direction: DVec3) -> Option<Leaving> {
+        let [pose_a, pose_b] = [self.sides[0].pose, self.sides[1].pose];
+        let apart = pose_a.translation() - pose_b.translation();
         let (mut of_a, mut of_b, mut world) =
             ([DVec3::ZERO; 3], [DVec3::ZERO; 3], [DVec3::ZERO; 3]);
         for k in 0..3 {
-            let [a, b] = corners[k].vertices;
-            of_a[k] = *turn_a * vertex(self.polytopes[0], a);
-            of_b[k] = *turn_b * vertex(self.polytopes[1], b);
+            let [a, b] = corners[k].numbers;
+            of_a[k] = *pose_a.rotation() * self.bodies[0].point(a);
+            of_b[k] = *pose_b.rotation() * self.bodies[1].point(b);
             world[k] = ((of_a[k] - of_b[k]) + apart) * self.scale;
         }
         let [p, q, r] = world;
@@ -262,8 +328,20 @@ impl<'a> SearchedPair<'a> {
         let DVec3 { x, y, z } = weights;
         let mean_a = of_a[0] * x + of_a[1] * y + of_a[2] * z;
         let mean_b = of_b[0] * x + of_b[1] * y + of_b[2] * z;
-        Some([mean_a, mean_b])
+        Some(Leaving { turned: [mean_a, mean_b], way: (mean_a - mean_b) + apart })
     }
+}
+
+/// Whether the lanes search a pair of which one is a cylinder or cone, by its rims; of the others their polytopes are given. Not of
+/// one with a swept point: that has a formula.
+#[inline(always)]
+fn are_searched_by_rims(
+    polytopes: [Option<&Polytope>; 2],
+    is_swept: bool,
+    accuracy: Accuracy,
+) -> bool {
+    let has_point = polytopes.into_iter().flatten().any(|polytope| polytope.kind() == Kind::Point);
+    accuracy == Accuracy::F32 && !(is_swept && has_point)
 }
 
 /// Whether two polytopes have a closed form: two cuboids; if a radius is swept round one also points and segments, and at
@@ -279,13 +357,6 @@ pub(super) fn has_formula(polytopes: [&Polytope; 2], is_swept: bool, accuracy: A
         Kind::Point | Kind::Segment => is_swept,
         _ => false,
     })
-}
-
-/// That vertex: the last block is filled up with the last one.
-#[inline(always)]
-fn vertex(polytope: &Polytope, number: u32) -> DVec3 {
-    let vertices = polytope.vertices();
-    vertices[(number as usize).min(vertices.len() - 1)]
 }
 
 /// Whether every face surely has the origin on its inner side: f64 looks at those that f32 is not sure of.

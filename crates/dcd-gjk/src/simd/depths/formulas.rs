@@ -6,7 +6,7 @@ use super::super::closed::{are_cuboids, depths as of_cuboids};
 use super::super::scene_pairs::ScenePairs;
 use super::super::spheres::{MeasureSpheres, Near, NearPair};
 use super::apart::ApartCores;
-use super::searched::{Searched, are_cores_apart, may_be_searched};
+use super::searched::{Searched, are_cores_apart, are_whole, may_be_searched};
 use super::{Answers, SimdDepths};
 use crate::closed;
 use crate::query::MeasureDepth;
@@ -56,6 +56,9 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
             } else if !may_be_searched(frames, pair, accuracy) {
                 answers.to.left.push(number);
             } else if are_cores_apart(frames, pair) {
+                // Of a hull inside the core the lanes know no distance.
+                let apart =
+                    if are_whole(frames, pair) { &mut *apart } else { &mut *answers.to.left };
                 apart.push(number);
             } else {
                 searched.push(frames, (number, pair));

@@ -6,11 +6,13 @@
 
 mod answers;
 mod apart;
+mod body;
 mod confirm;
 mod formulas;
 mod nearest_face;
 mod of_parts;
 mod proposed;
+mod rims;
 mod search;
 mod search_pairs;
 mod searched;

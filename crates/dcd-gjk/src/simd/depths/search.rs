@@ -1,12 +1,13 @@
 //! The expanding polytope of one pair in f32, support by support: many pairs are searched side by side.
 
 use super::super::bounds::U;
+use super::body::Points;
 use super::start::Extremes;
 use super::surface::{Point, Surface};
 use super::vectors::{farthest, splat, vertex};
 use crate::Accuracy;
 use dcd_geom::glam::Vec3;
-use dcd_simd::{Block, Lanes};
+use dcd_simd::Lanes;
 use std::array;
 
 /// How far from flat the first tetrahedron must be, relative to the pair's size: 2⁻¹². Smaller: slivers whose planes
@@ -20,6 +21,10 @@ const GAIN: f32 = 8.0;
 /// The same where f32's bounds are good enough: a third of what these come to. Larger: wider bounds. Smaller: more
 /// supports.
 const GAIN_F32: f32 = 24.0;
+
+/// The same where one of the two is a cylinder or cone, whose points do not come to an end. Larger: wider bounds. Smaller: more
+/// supports, and more pairs whose surface has no space for them.
+const GAIN_ROUND: f32 = 64.0;
 
 /// How much nearer than computed the surface of the true vertices may be. Unit: u·m. 8 for each coordinate of a point
 /// of A − B (`CORNER`), √3 of that; 3.1 for the products with the normal; and a margin. The normal's own length loses
@@ -39,8 +44,8 @@ const OPPOSITE: [usize; 6] = [3, 4, 5, 0, 1, 2];
 /// A − B of a pair as f32 has it, in the lengths of its difference: below 1 or not much above.
 #[derive(Clone, Copy)]
 pub(super) struct Cloud<'a> {
-    /// The vertices of a and of b, turned into the world's axes, round their centres: metres.
-    pub(super) blocks: [&'a [Block]; 2],
+    /// Those of a and of b, turned into the world's axes, round their centres: metres.
+    pub(super) points: [Points<'a>; 2],
     /// The difference's lengths by metres: a power of two.
     pub(super) scale: f32,
     /// The difference of the two centres.
@@ -50,14 +55,29 @@ pub(super) struct Cloud<'a> {
 }
 
 impl Cloud<'_> {
+    /// Whether one of the two is a cylinder or cone.
+    #[inline(always)]
+    pub(super) fn is_round(&self) -> bool {
+        self.points.iter().any(|points| matches!(points, Points::Rims(..)))
+    }
+
     /// The point farthest along a direction, up to rounding.
     #[inline(always)]
     fn farthest<L: Lanes>(&self, l: L, direction: Vec3) -> Point {
-        let [blocks_a, blocks_b] = self.blocks;
-        let a = farthest(l, blocks_a, &splat(l, direction));
-        let b = farthest(l, blocks_b, &splat(l, -direction));
-        let apart = vertex(blocks_a, a) - vertex(blocks_b, b);
-        Point { at: apart * self.scale + self.middle, vertices: [a as u32, b as u32] }
+        if let [Points::Vertices(of_a), Points::Vertices(of_b)] = &self.points {
+            // As soon as both are known: most pairs are of polytopes.
+            let a = farthest(l, of_a, &splat(l, direction));
+            let b = farthest(l, of_b, &splat(l, -direction));
+            return self.between((vertex(of_a, a), a as u32), (vertex(of_b, b), b as u32));
+        }
+        let [of_a, of_b] = &self.points;
+        self.between(of_a.farthest(l, direction), of_b.farthest(l, -direction))
+    }
+
+    /// The point of these two, each with its number.
+    #[inline(always)]
+    fn between(&self, (a, of_a): (Vec3, u32), (b, of_b): (Vec3, u32)) -> Point {
+        Point { at: (a - b) * self.scale + self.middle, numbers: [of_a, of_b] }
     }
 }
 
@@ -98,7 +118,11 @@ pub(super) struct DepthSearch {
 
 impl DepthSearch {
     pub(super) fn new(cloud: &Cloud<'_>, accuracy: Accuracy) -> Self {
-        let gain = if accuracy == Accuracy::F32 { GAIN_F32 } else { GAIN };
+        let gain = match accuracy {
+            Accuracy::F32 if cloud.is_round() => GAIN_ROUND,
+            Accuracy::F32 => GAIN_F32,
+            _ => GAIN,
+        };
         let direction = if cloud.middle == Vec3::ZERO { Vec3::X } else { -cloud.middle };
         let start = [Point::default(); 4];
         Self { stage: Stage::First, direction, start, clear: gain * cloud.unit }
@@ -120,8 +144,8 @@ impl DepthSearch {
         let corners =
             array::from_fn(|k| (a.points[k] - b.points[OPPOSITE[k]]) * cloud.scale + middle);
         if surface.start_round(l, &corners, self.clear).is_some() {
-            let vertices = array::from_fn(|k| [a.numbers[k].into(), b.numbers[OPPOSITE[k]].into()]);
-            surface.set_vertices(vertices);
+            let numbers = array::from_fn(|k| [a.numbers[k], b.numbers[OPPOSITE[k]]]);
+            surface.set_numbers(numbers);
             self.look_beyond(surface, surface.nearest(l));
         }
     }
@@ -136,11 +160,9 @@ impl DepthSearch {
         triangle: [[u32; 2]; 3],
         surface: &mut Surface,
     ) -> bool {
-        let [p, mut q, mut r] = triangle.map(|vertices| {
-            let [a, b] = vertices.map(|number| number as usize);
-            let apart = vertex(cloud.blocks[0], a) - vertex(cloud.blocks[1], b);
-            Point { at: apart * cloud.scale + cloud.middle, vertices }
-        });
+        let [of_a, of_b] = &cloud.points;
+        let [p, mut q, mut r] =
+            triangle.map(|[a, b]| cloud.between(of_a.of_vertex(a), of_b.of_vertex(b)));
         let mut inward = (q.at - p.at).cross(r.at - p.at);
         if inward.dot(p.at) > 0.0 {
             (q, r) = (r, q);

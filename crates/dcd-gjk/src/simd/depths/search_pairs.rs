@@ -128,8 +128,9 @@ impl<'a> SearchPairs<'a> {
                 let mut search = DepthSearch::new(&searched.cloud, accuracy);
                 if !self.start_proposed(l, (&searched, place), (&mut search, seat)) {
                     let is_second = !frames.is_one();
-                    let of_a = self.starts.of(l, (pair.i, false), sides[0].blocks);
-                    let of_b = self.starts.of(l, (pair.j, is_second), sides[1].blocks);
+                    let [points_a, points_b] = searched.in_order(searched.cloud.points.each_ref());
+                    let of_a = self.starts.of(l, (pair.i, false), points_a);
+                    let of_b = self.starts.of(l, (pair.j, is_second), points_b);
                     let extremes = searched.in_order([&of_a, &of_b]);
                     search.start(l, &searched.cloud, extremes, &mut self.surfaces[seat]);
                 }

@@ -1,6 +1,6 @@
 //! The pairs that the lanes search, in an order in which neighbours are alike.
 
-use super::super::frame::{BOX, FramePair, Record, SPHERE, STRAIGHT_CORE, SimdFrame};
+use super::super::frame::{BOX, FramePair, Record, SPHERE, STRAIGHT_CORE, SimdFrame, WHOLE};
 use super::super::straight::CoreForm;
 use crate::Accuracy;
 use dcd_geom::Pair;
@@ -43,12 +43,22 @@ impl Searched {
     }
 }
 
-/// Whether the lanes search a pair, as far as the records show: both have vertices, and no formula is known.
+/// Whether the lanes search a pair, as far as the records show: both have vertices, all of one's own or, at the accuracy of f32,
+/// of a hull inside it, and no formula is known.
 /// [`SearchedPair::of`](super::confirm::SearchedPair::of) finds the others out.
 #[inline(always)]
 pub(super) fn may_be_searched(frames: FramePair<'_>, pair: Pair, accuracy: Accuracy) -> bool {
     let (a, b) = (frames.a.record(pair.i), frames.b.record(pair.j));
-    a.blocks > 0 && b.blocks > 0 && !has_formula(a, b, accuracy)
+    a.blocks > 0
+        && b.blocks > 0
+        && (accuracy == Accuracy::F32 || are_whole(frames, pair))
+        && !has_formula(a, b, accuracy)
+}
+
+/// Whether the vertices that the lanes have are those of the cores, and not of hulls inside them.
+#[inline(always)]
+pub(super) fn are_whole(frames: FramePair<'_>, pair: Pair) -> bool {
+    frames.a.record(pair.i).marks & frames.b.record(pair.j).marks & WHOLE != 0
 }
 
 /// Whether a pair surely has a formula, by what is prepared of both: straight cores with a radius, with each other or a cuboid;

@@ -1,19 +1,20 @@
-//! Where a search starts: the vertices of both objects that are farthest along the world's axes.
+//! Where a search starts: the points of both objects that are farthest along the world's axes.
 
+use super::body::Points;
 use super::vectors::{Axis, farthest, vertex};
-use dcd_geom::glam::Vec4;
+use dcd_geom::glam::{Vec3, Vec4};
 use dcd_simd::{Block, Lanes};
 
-/// The vertices farthest along x, y, z, −x, −y, −z.
+/// The points farthest along x, y, z, −x, −y, −z.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Extremes {
-    pub(super) numbers: [u8; 6],
+    pub(super) numbers: [u32; 6],
     /// Where each is, round the object's centre, and a 0: metres.
     pub(super) points: [Vec4; 6],
 }
 
-/// Of how many objects the farthest vertices are remembered. A power of two. No effect on any result. Larger: memory.
-/// Smaller: objects whose vertices are looked through again.
+/// Of how many objects the farthest points are remembered. A power of two. No effect on any result. Larger: memory.
+/// Smaller: objects that are looked through again.
 const REMEMBERED: usize = 512;
 
 /// What is remembered of an object.
@@ -24,7 +25,7 @@ struct Entry {
     extremes: Extremes,
 }
 
-/// The farthest vertices of objects that recur in one slice.
+/// The farthest points of objects that recur in one slice.
 #[derive(Clone, Debug)]
 pub(super) struct Starts {
     /// Twice the number of the slice: poses may change between two.
@@ -53,37 +54,51 @@ impl Starts {
         &mut self,
         l: L,
         (object, is_second): (u32, bool),
-        blocks: &[Block],
+        points: &Points<'_>,
     ) -> Extremes {
         let key = (self.slice | u32::from(is_second), object);
         let entry = &mut self.entries[object as usize % REMEMBERED];
         if entry.key != key {
-            *entry = Entry { key, extremes: extremes(l, blocks) };
+            *entry = Entry { key, extremes: extremes(l, points) };
         }
         entry.extremes
     }
 }
 
-/// The vertices farthest along the axes, of at most 256.
+/// The points farthest along the axes.
+// No array is mapped here: what that calls would be compiled for no path.
 #[inline(always)]
-fn extremes<L: Lanes>(l: L, blocks: &[Block]) -> Extremes {
+fn extremes<L: Lanes>(l: L, points: &Points<'_>) -> Extremes {
     let mut extremes = Extremes::default();
     for axis in 0..3 {
-        let most = farthest(l, blocks, &Axis::Along(axis));
-        let least = farthest(l, blocks, &Axis::Against(axis));
-        for (side, number) in [(axis, most), (axis + 3, least)] {
-            extremes.numbers[side] = number as u8;
-            extremes.points[side] = vertex(blocks, number).extend(0.0);
+        let (most, least) = match points {
+            Points::Vertices(blocks) => (
+                vertex_along(l, blocks, &Axis::Along(axis)),
+                vertex_along(l, blocks, &Axis::Against(axis)),
+            ),
+            Points::Rims(rims, _) => {
+                (rims.farthest(Vec3::AXES[axis]), rims.farthest(-Vec3::AXES[axis]))
+            }
+        };
+        for (side, (point, number)) in [(axis, most), (axis + 3, least)] {
+            extremes.numbers[side] = number;
+            extremes.points[side] = point.extend(0.0);
         }
     }
     extremes
+}
+
+/// The vertex farthest along an axis, and its number.
+#[inline(always)]
+fn vertex_along<L: Lanes>(l: L, blocks: &[Block], axis: &Axis) -> (Vec3, u32) {
+    let number = farthest(l, blocks, axis);
+    (vertex(blocks, number), number as u32)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::surface::Surface;
     use super::*;
-    use dcd_geom::glam::Vec3;
     use dcd_simd::{Kernel, Path, Row, WIDTH, dispatch_on};
 
     struct Find<'a> {
@@ -97,7 +112,7 @@ mod tests {
 
         #[inline(always)]
         fn run<L: Lanes>(self, l: L) -> Extremes {
-            self.starts.of(l, self.object, self.blocks)
+            self.starts.of(l, self.object, &Points::Vertices(self.blocks))
         }
     }
 
@@ -122,18 +137,17 @@ mod tests {
                 starts.begin();
                 let find = Find { starts: &mut starts, object: (7, false), blocks: &blocks };
                 let found = dispatch_on(path, find);
-                let point = |number: u8| {
-                    blocks[usize::from(number) / WIDTH].point(usize::from(number) % WIDTH)
-                };
+                let point =
+                    |number: u32| blocks[number as usize / WIDTH].point(number as usize % WIDTH);
                 for (k, &number) in found.numbers.iter().enumerate() {
                     assert_eq!(found.points[k], point(number).extend(0.0));
                     let along = |p: Vec3| if k < 3 { p[k] } else { -p[k - 3] };
                     let all = blocks.iter().flat_map(|b| (0..WIDTH).map(|lane| b.point(lane)));
                     let most = all.map(along).fold(f32::NEG_INFINITY, f32::max);
                     assert_eq!(along(point(number)), most, "{path:?} {seed} {k}");
-                    let as_far = (0..=u8::MAX).take(WIDTH * blocks.len());
+                    let as_far = (0..).take(WIDTH * blocks.len());
                     let as_far = as_far.filter(|&number| along(point(number)) == most);
-                    let first = as_far.min_by_key(|&number| (usize::from(number) % WIDTH, number));
+                    let first = as_far.min_by_key(|&number| (number as usize % WIDTH, number));
                     assert_eq!(first, Some(number), "{path:?} {seed} {k}");
                 }
             }

@@ -30,11 +30,11 @@ pub(super) const DETERMINANT: f32 = 16.0;
 /// Unit: m³.
 const LEAST: f32 = 1e-30;
 
-/// A point of A − B, and which vertices of a and b make it.
+/// A point of A − B, and which points of a and b make it, by number.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Point {
     pub(super) at: Vec3,
-    pub(super) vertices: [u32; 2],
+    pub(super) numbers: [u32; 2],
 }
 
 /// The surface: its faces in the order in which they were made, the dead among them.
@@ -47,8 +47,8 @@ pub(super) struct Surface {
     normals: [[f32; WRITTEN]; 3],
     /// Four numbers each, so that a place is a shift away.
     points: [[f32; 4]; POINTS],
-    /// Which vertices of a and of b make each point.
-    vertices: [[u32; 2]; POINTS],
+    /// Which points of a and of b make each point.
+    numbers: [[u32; 2]; POINTS],
     /// Of each face the corners, counter-clockwise seen from outside: a byte each, from the lowest.
     corners: [u32; CORNERS],
     count: usize,
@@ -64,7 +64,7 @@ impl Default for Surface {
             distances: [f32::INFINITY; WRITTEN],
             normals: [[0.0; WRITTEN]; 3],
             points: [[0.0; 4]; POINTS],
-            vertices: [[0; 2]; POINTS],
+            numbers: [[0; 2]; POINTS],
             corners: [0; CORNERS],
             count: 0,
             faces: 0,
@@ -98,14 +98,14 @@ impl Surface {
     #[inline(always)]
     fn point(&self, number: usize) -> Point {
         let [x, y, z, _] = self.points[number];
-        Point { at: Vec3::new(x, y, z), vertices: self.vertices[number] }
+        Point { at: Vec3::new(x, y, z), numbers: self.numbers[number] }
     }
 
     /// At a number below [`POINTS`].
     #[inline(always)]
-    fn set_point(&mut self, number: usize, Point { at: Vec3 { x, y, z }, vertices }: Point) {
+    fn set_point(&mut self, number: usize, Point { at: Vec3 { x, y, z }, numbers }: Point) {
         self.points[number] = [x, y, z, 0.0];
-        self.vertices[number] = vertices;
+        self.numbers[number] = numbers;
     }
 
     #[inline(always)]
@@ -182,7 +182,7 @@ impl Surface {
     }
 
     /// Starts over with an octahedron, whose corners are farthest along x, y, z, −x, −y and −z: three numbers and a 0 each. Which
-    /// vertices make them is yet to be [said](Surface::set_vertices). `None` where a corner is above the plane of a face by
+    /// points of a and b make them is yet to be [said](Surface::set_numbers). `None` where a corner is above the plane of a face by
     /// more than `clear`, or a face has no area to rounding.
     #[inline(always)]
     pub(super) fn start_round<L: Lanes>(
@@ -215,10 +215,10 @@ impl Surface {
         (l.half_bits(l.le(highest, plane)) == OF_OCTAHEDRON).then_some(())
     }
 
-    /// Which vertices of a and of b make the corners of an octahedron.
+    /// Which points of a and of b make the corners of an octahedron.
     #[inline(always)]
-    pub(super) fn set_vertices(&mut self, vertices: [[u32; 2]; 6]) {
-        self.vertices[..6].copy_from_slice(&vertices);
+    pub(super) fn set_numbers(&mut self, numbers: [[u32; 2]; 6]) {
+        self.numbers[..6].copy_from_slice(&numbers);
     }
 
     /// The face whose plane is nearest along its normal: the lowest number among equals.
@@ -247,7 +247,7 @@ impl Surface {
             return None;
         }
         if self.faces > FACES - WIDTH {
-            self.drop_dead();
+            self.drop_dead(self.within(l, f32::MAX));
         }
         let (visible, least) = self.remove_visible(l, point.at, clear);
         let edges = self.find_horizon(visible, self.count)?;
@@ -354,14 +354,11 @@ impl Surface {
         (is_simple && has_space && edges > 0).then_some(edges)
     }
 
-    /// Closes the gaps that dead faces left.
+    /// Closes the gaps that dead faces left; the others are given, as bits.
     #[cold]
-    fn drop_dead(&mut self) {
+    fn drop_dead(&mut self, alive: u64) {
         let (mut kept, mut inward) = (0, 0);
-        for face in 0..self.faces {
-            if self.distances[face] == f32::INFINITY {
-                continue;
-            }
+        for face in Bits(alive) {
             self.distances[kept] = self.distances[face];
             self.corners[kept] = self.corners[face];
             for axis in &mut self.normals {

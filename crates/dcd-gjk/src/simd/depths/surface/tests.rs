@@ -14,7 +14,7 @@ impl Kernel for Grow<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Vec<[usize; 3]> {
         let mut surface = Surface::default();
-        let at = |x: f32, y: f32, z: f32| Point { at: Vec3::new(x, y, z), vertices: [0; 2] };
+        let at = |x: f32, y: f32, z: f32| Point { at: Vec3::new(x, y, z), numbers: [0; 2] };
         let corners =
             [at(1.0, 0.0, -0.5), at(-0.7, 0.8, -0.5), at(-0.6, -0.9, -0.5), at(0.0, 0.0, 1.0)];
         assert!(surface.start(l, corners).is_some());
@@ -22,7 +22,7 @@ impl Kernel for Grow<'_> {
         for &direction in self.0 {
             let seen = surface.nearest(l);
             let beyond = surface.normal(seen) * (surface.distance(seen) + 0.5) + direction * 0.1;
-            let point = Point { at: beyond, vertices: [0; 2] };
+            let point = Point { at: beyond, numbers: [0; 2] };
             let Some(nearest) = surface.insert(l, point, 1e-6) else { break };
             assert!(is_closed(&surface));
             let alive = (0..surface.faces).filter(|&face| surface.distance(face).is_finite());
