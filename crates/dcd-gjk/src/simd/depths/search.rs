@@ -22,10 +22,6 @@ const GAIN: f32 = 8.0;
 /// supports.
 const GAIN_F32: f32 = 24.0;
 
-/// The same where one of the two is a cylinder or cone, whose points do not come to an end. Larger: wider bounds. Smaller: more
-/// supports, and more pairs whose surface has no space for them.
-const GAIN_ROUND: f32 = 64.0;
-
 /// How much nearer than computed the surface of the true vertices may be. Unit: u·m. 8 for each coordinate of a point
 /// of A − B (`CORNER`), √3 of that; 3.1 for the products with the normal; and a margin. The normal's own length loses
 /// [`LENGTH`]. Smaller: a bound that is none.
@@ -118,11 +114,7 @@ pub(super) struct DepthSearch {
 
 impl DepthSearch {
     pub(super) fn new(cloud: &Cloud<'_>, accuracy: Accuracy) -> Self {
-        let gain = match accuracy {
-            Accuracy::F32 if cloud.is_round() => GAIN_ROUND,
-            Accuracy::F32 => GAIN_F32,
-            _ => GAIN,
-        };
+        let gain = if accuracy == Accuracy::F32 { GAIN_F32 } else { GAIN };
         let direction = if cloud.middle == Vec3::ZERO { Vec3::X } else { -cloud.middle };
         let start = [Point::default(); 4];
         Self { stage: Stage::First, direction, start, clear: gain * cloud.unit }
