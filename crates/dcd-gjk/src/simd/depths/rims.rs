@@ -17,6 +17,10 @@ const QUARTER: u32 = 1 << BITS;
 /// The middle of a disc: where the last quarter would end.
 const MIDDLE: u32 = UPPER - 1;
 
+/// The least square of how much of a direction is across the axis for its part to be known: no square underflows by more than
+/// rounding. Larger: the middles of discs where their rims are farther.
+const LEAST: f32 = f32::MIN_POSITIVE / f32::EPSILON;
+
 /// A cylinder's or cone's core, turned into the world's axes, round its centre.
 #[derive(Clone, Copy)]
 pub(super) struct Rims {
@@ -47,7 +51,7 @@ impl Rims {
         let across = squared.sqrt();
         let is_upper = z * high.0 + across * high.1 > z * low.0 + across * low.1;
         // Along the axis any point will do. False for NaN.
-        let seen = if squared >= f32::MIN_POSITIVE { [x / across, y / across] } else { [0.0; 2] };
+        let seen = if squared >= LEAST { [x / across, y / across] } else { [0.0; 2] };
         self.at(seen, is_upper)
     }
 
@@ -56,6 +60,9 @@ impl Rims {
         let [low, high] = self.discs;
         let z = self.turn.z_axis.dot(turned);
         let [x, y] = [self.turn.x_axis.dot(turned), self.turn.y_axis.dot(turned)];
+        // Of 1 at most, so that the squares of small shapes do not underflow: what is longer than 1 would be beside the rim.
+        let most = x.abs().max(y.abs());
+        let [x, y] = if most > 0.0 { [x / most, y / most] } else { [0.0; 2] };
         let length = (x * x + y * y).sqrt();
         let seen = if length > 0.0 { [x / length, y / length] } else { [0.0; 2] };
         self.at(seen, (z - high.0).abs() < (z - low.0).abs())
@@ -164,7 +171,11 @@ mod tests {
     fn what_is_next_to_a_point_of_a_rim_is_that_point() {
         let mut draw = Draw(6);
         for k in 0..2000 {
-            let curved = curved(&mut draw, k);
+            // Down to where squares of lengths underflow.
+            let curved = match k % 4 {
+                0 => curved(&mut draw, k),
+                _ => Curved::cylinder(1e-22, 1e-20 * 0.1f64.powi(k as i32 % 5)).unwrap(),
+            };
             let turn = DMat3::from_quat(DQuat::from_scaled_axis(draw.vector() * 3.0));
             let rims = Rims::of(&curved, &turn, curved.inner().centre);
             let (found, number) = rims.farthest(draw.vector().as_vec3());
