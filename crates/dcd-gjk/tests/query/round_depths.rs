@@ -95,9 +95,13 @@ fn depths(scene: &Scene, pairs: &[Pair]) -> Vec<Contact<epa::Depth>> {
 fn the_depth_of_round_pairs_is_within_the_bound_and_its_points_on_both_surfaces() {
     let (mut bounds, mut sampled) = (Vec::new(), 0);
     let mut scratch = <Depths as PairSolver>::Scratch::default();
-    for (seed, scale, far, count) in
-        [(1, 1.0, 1.0, 1500), (2, 1e-4, 1e-4, 400), (3, 1e5, 1e5, 400), (4, 1.0, 1e6, 400)]
-    {
+    for (seed, scale, far, count) in [
+        (1, 1.0, 1.0, 1500),
+        (2, 1e-4, 1e-4, 400),
+        (3, 1e5, 1e5, 400),
+        (4, 1.0, 1e6, 400),
+        (5, 1e-20, 1e-20, 200),
+    ] {
         let mut draw = Draw::seeded(seed);
         let shapes = shapes(&mut draw, scale);
         let objects = objects(&mut draw, &shapes, [scale, far], count);
