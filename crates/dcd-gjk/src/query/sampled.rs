@@ -6,10 +6,11 @@
 //! reach, and adds to the hulls the support points of where it arrives and of a ring round it,
 //! until both bounds meet.
 
+use crate::distance::{DistanceResult, of_polytopes};
 use crate::epa::{Depth, Scratch, depth_of_overlap as depth_of_polytopes};
 use crate::{PosedShape, PosedSupport, order};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Polytope, SupportMap};
+use dcd_geom::{Polytope, Pose, SupportMap};
 
 /// How often the hulls grow. Ten are usual for an ellipsoid; the bounds stay as far apart as they
 /// are where that is not enough. Larger: more time for shapes that are curved and flat at once.
@@ -25,6 +26,10 @@ const STEPS: usize = 64;
 /// The cosine from which on two directions are so nearly one that the witnesses of either will do for both. Larger: witnesses of
 /// hulls as they were first. Smaller: those of another direction that is as deep.
 const ALIKE: f64 = 1.0 - 1e-6;
+
+/// At which angles round a normal points are looked for that are as far along it, in radians: what a face or an edge ends at, and no
+/// more. Larger: points that are less far. Smaller: directions that rounding makes one.
+const ROUND: [f64; 2] = [1e-4, 1e-7];
 
 /// The relative gap at which the bounds have met: what is promised of a depth.
 const GAP: f64 = 1e-9;
@@ -80,8 +85,37 @@ impl Couple<'_> {
                 break;
             }
         }
+        if let Some([point_a, point_b]) = self.witnesses(&best) {
+            let other = Depth { point_a, point_b, ..best };
+            best = if missed(&other) < missed(&best) { other } else { best };
+        }
         let error = (best.depth - lower).max(0.0);
         Depth { error_bound: (error + 4.0 * U * best.depth).min(f64::MAX), ..best }
+    }
+
+    /// Where the shapes are deepest along the normal of a depth, one point above the other: what each shows there, as points that are farthest
+    /// along directions round it, and the nearest points of the hulls of these, once they are parted along it.
+    fn witnesses(&self, depth: &Depth) -> Option<[DVec3; 2]> {
+        let normal = depth.normal;
+        let (mut of_a, mut of_b) = (Vec::new(), Vec::new());
+        let delta = self.b.pose.translation() - self.a.pose.translation();
+        let rings = ROUND.map(|angle| ring(normal, angle));
+        for direction in rings.into_iter().flatten().chain([normal]) {
+            let [end_a, end_b] = self.ends(direction);
+            of_a.push(*self.a.pose.rotation() * end_a);
+            of_b.push(*self.b.pose.rotation() * end_b + delta);
+        }
+        let radii = [self.a.shape.radius(), self.b.shape.radius()];
+        let farthest = |points: &[DVec3]| points.iter().map(|p| p.length()).fold(0.0, f64::max);
+        let parted = depth.depth - radii[0] - radii[1] + farthest(&of_a) + farthest(&of_b);
+        of_b.iter_mut().for_each(|point| *point += normal * parted);
+        let hulls = [Polytope::hull(of_a).ok()?, Polytope::hull(of_b).ok()?];
+        let [a, b] = hulls.each_ref().map(|hull| PosedSupport::polytope(hull, &Pose::IDENTITY));
+        let (DistanceResult::Apart(found), _) = of_polytopes(a, b) else { return None };
+        let origin = self.a.pose.translation();
+        let point_a = found.point_a + normal * radii[0];
+        let point_b = found.point_b - normal * (parted + radii[1]);
+        Some([origin + point_a, origin + point_b])
     }
 
     /// A direction near which no reach is less, and that reach.
@@ -128,6 +162,11 @@ impl Couple<'_> {
         // A NaN of a foreign map bounds nothing.
         if reach >= 0.0 { reach.min(f64::MAX) } else { f64::MAX }
     }
+}
+
+/// How far the way between the witnesses is from the depth along its normal.
+fn missed(depth: &Depth) -> f64 {
+    (depth.point_a - depth.point_b - depth.normal * depth.depth).length()
 }
 
 /// Six unit directions at about this angle, in radians, round a unit direction.

@@ -126,14 +126,17 @@ fn the_depth_of_round_pairs_is_within_the_bound_and_its_points_on_both_surfaces(
             assert_ne!(moved, Verdict::Touching(()), "{what}");
             let slack = 1e-9 * size + 1e-14 * far;
             // Where the two have one axis, or nearly, samples are searched: no accuracy gets good bounds there.
-            if truth.error_bound > 1e-8 * truth.depth.max(1e-4 * size) {
-                sampled += 1;
-                continue;
-            }
+            let is_sampled = truth.error_bound > 1e-8 * truth.depth.max(1e-4 * size);
+            let off = if is_sampled { 1e-3 } else { 1e-5 } * size + slack;
             for (point, side) in [(answer.point_a, a), (answer.point_b, b)] {
                 let beside = off_surface(point, side.shape, side.pose);
-                // The chords of a search are inside.
-                assert!(beside <= 1e-5 * size + slack, "{what}: {beside}");
+                assert!(beside <= off, "{what}: {beside}");
+            }
+            let missed = answer.point_a - answer.point_b - answer.normal * answer.depth;
+            assert!(missed.length() <= off, "{what}: {missed}");
+            sampled += usize::from(is_sampled);
+            if is_sampled {
+                continue;
             }
             bounds.push(answer.error_bound / size);
         }
