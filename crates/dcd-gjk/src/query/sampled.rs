@@ -27,9 +27,9 @@ const STEPS: usize = 64;
 /// hulls as they were first. Smaller: those of another direction that is as deep.
 const ALIKE: f64 = 1.0 - 1e-6;
 
-/// At which angles round a normal points are looked for that are as far along it, in radians: what a face or an edge ends at, and no
-/// more. Larger: points that are less far. Smaller: directions that rounding makes one.
-const ROUND: [f64; 2] = [1e-4, 1e-7];
+/// The angles from a normal, in radians, at which the ends of a face or an edge are looked for. Larger: points that are less far
+/// along it. Smaller: directions that rounding makes one.
+const ANGLES: [f64; 2] = [1e-4, 1e-7];
 
 /// The relative gap at which the bounds have met: what is promised of a depth.
 const GAP: f64 = 1e-9;
@@ -93,13 +93,13 @@ impl Couple<'_> {
         Depth { error_bound: (error + 4.0 * U * best.depth).min(f64::MAX), ..best }
     }
 
-    /// Where the shapes are deepest along the normal of a depth, one point above the other: what each shows there, as points that are farthest
-    /// along directions round it, and the nearest points of the hulls of these, once they are parted along it.
+    /// Where the shapes are deepest along the normal of a depth, one point above the other. The points that are farthest along
+    /// directions round the normal are what each shape shows there; their hulls are parted along it, and have nearest points.
     fn witnesses(&self, depth: &Depth) -> Option<[DVec3; 2]> {
         let normal = depth.normal;
         let (mut of_a, mut of_b) = (Vec::new(), Vec::new());
         let delta = self.b.pose.translation() - self.a.pose.translation();
-        let rings = ROUND.map(|angle| ring(normal, angle));
+        let rings = ANGLES.map(|angle| ring(normal, angle));
         for direction in rings.into_iter().flatten().chain([normal]) {
             let [end_a, end_b] = self.ends(direction);
             of_a.push(*self.a.pose.rotation() * end_a);

@@ -9,9 +9,9 @@ pub struct Distance {
     /// Positive and finite; 0 only below 5e-324, `f64::MAX` for all that is above it (see
     /// [`Distance::is_saturated`]).
     pub distance: f64,
-    /// A point of a nearest to b, to within the rounding of world coordinates. Of a cylinder, cone or ellipsoid that is nearly touched the
-    /// two are farther apart than the distance by some of it, and where a radius is swept round either by up to 1e-7 of the size: radii are added
-    /// along the normal.
+    /// A point of a nearest to b, to within the rounding of world coordinates. Where a cylinder, cone or ellipsoid nearly touches
+    /// another shape and a radius is swept round either, the two points may be farther apart than [`Distance::upper`], by some 1e-7 of
+    /// the size: radii are added along the normal.
     pub point_a: DVec3,
     /// A point of b nearest to a.
     pub point_b: DVec3,
