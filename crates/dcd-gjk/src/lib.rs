@@ -31,7 +31,7 @@ mod temporal;
 
 pub(crate) use exact::double_double;
 pub(crate) use scalar::{
-    certificate, difference, expanding, order, portal, simplex, solvers, supports,
+    body, certificate, difference, expanding, order, portal, rims, simplex, solvers, supports,
 };
 pub use scalar::{certified, closed, distance, epa, gjk};
 

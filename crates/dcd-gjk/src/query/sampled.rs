@@ -87,7 +87,7 @@ impl Couple<'_> {
         }
         if let Some([point_a, point_b]) = self.witnesses(&best) {
             let other = Depth { point_a, point_b, ..best };
-            best = if missed(&other) < missed(&best) { other } else { best };
+            best = if other.missed() < best.missed() { other } else { best };
         }
         let error = (best.depth - lower).max(0.0);
         Depth { error_bound: (error + 4.0 * U * best.depth).min(f64::MAX), ..best }
@@ -162,11 +162,6 @@ impl Couple<'_> {
         // A NaN of a foreign map bounds nothing.
         if reach >= 0.0 { reach.min(f64::MAX) } else { f64::MAX }
     }
-}
-
-/// How far the way between the witnesses is from the depth along its normal.
-fn missed(depth: &Depth) -> f64 {
-    (depth.point_a - depth.point_b - depth.normal * depth.depth).length()
 }
 
 /// Six unit directions at about this angle, in radians, round a unit direction.

@@ -217,6 +217,46 @@ pub(crate) fn from_vertices(
     approach_from(difference, bounds, [0.0, f64::MAX], simplex)
 }
 
+/// [`distance_at`] of two shapes that are no meshes, compounds or half-spaces and whose cores are known to be apart, by f64 alone. The
+/// search starts from points of a and of b, in their own frames, between which the nearest points are thought to be; `None` where it
+/// leads nowhere.
+///
+/// The same bits for the same points; (b, a) with theirs exchanged is mirrored.
+pub(crate) fn of_apart_cores(
+    accuracy: Accuracy,
+    [a, b]: [PosedShape<'_>; 2],
+    nearest: [[Support<f64>; 2]; 3],
+) -> Option<DistanceResult> {
+    let in_order = |a: PosedShape<'_>, b: PosedShape<'_>, nearest| {
+        let bodies = [a, b].map(|side| PosedSupport::shape(side.shape, side.pose));
+        let search = (gap_at(accuracy), [a, b]);
+        measured(bodies[0], bodies[1], |pair, bounds, near| {
+            span(&mut near.simplex, pair, nearest);
+            newton::approach(pair, bounds, search, near)
+        })
+    };
+    let found = if order::is_swapped(a, b) {
+        in_order(b, a, nearest.map(|[a, b]| [b, a])).mirrored()
+    } else {
+        in_order(a, b, nearest)
+    };
+    matches!(found, DistanceResult::Apart(_)).then_some(found)
+}
+
+/// Adds those points of a and of b, each once.
+fn span<S: SupportMap<f64>>(
+    simplex: &mut Simplex<f64>,
+    difference: &Difference<'_, f64, S, S>,
+    points: [[Support<f64>; 2]; 3],
+) {
+    for [a, b] in points {
+        let vertex = Vertex { w: difference.world(a.point, b.point), a, b };
+        if !simplex.holds(&vertex) {
+            simplex.push(vertex);
+        }
+    }
+}
+
 /// In f64 where that knows more than that they are apart.
 fn in_f64_from(
     a: PosedSupport<'_, Polytope>,

@@ -2,7 +2,7 @@
 
 use crate::{Difference, Vertex};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Polytope, Shape, Support, SupportMap};
+use dcd_geom::{Curved, Polytope, Shape, Support, SupportMap};
 use dcd_simd::{Kernel, Lanes, dispatch};
 
 pub(crate) type Polytopes<'b> = Difference<'b, f64, Polytope, Polytope>;
@@ -11,6 +11,12 @@ pub(crate) type Polytopes<'b> = Difference<'b, f64, Polytope, Polytope>;
 pub(crate) trait InBlocks: SupportMap<f64> {
     /// The polytope that it is.
     fn polytope(&self) -> Option<&Polytope>;
+
+    /// The cylinder or cone that it is.
+    #[inline(always)]
+    fn curved(&self) -> Option<&Curved> {
+        None
+    }
 }
 
 impl InBlocks for Polytope {
@@ -25,6 +31,14 @@ impl InBlocks for Shape {
     fn polytope(&self) -> Option<&Polytope> {
         match self {
             Self::Polytope(polytope) => Some(polytope),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
+    fn curved(&self) -> Option<&Curved> {
+        match self {
+            Self::Curved(curved) => Some(curved),
             _ => None,
         }
     }

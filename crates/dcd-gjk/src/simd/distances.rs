@@ -2,6 +2,7 @@
 
 mod by_parts;
 mod of_points;
+mod of_rims;
 mod sorted;
 
 use super::certificate::GapBounds;
@@ -108,7 +109,7 @@ impl SimdDistances {
     fn by_search(
         &self,
         found: Found,
-        (frames, pair): (FramePair<'_>, Pair),
+        (objects, pair): (ScenePairs<'_>, Pair),
         [a, b]: [PosedShape<'_>; 2],
     ) -> Verdict<Option<Distance>> {
         let points = match found {
@@ -118,11 +119,13 @@ impl SimdDistances {
         };
         let found = match self.accuracy {
             Accuracy::F32 => {
-                let found = points.distance_in_f32(frames, pair);
+                let found = points.distance_in_f32(objects.frames, pair);
                 found.or_else(|| distance_of(&points, a, b)).map(DistanceResult::Apart)
             }
             accuracy => going_on(accuracy, &points, a, b),
         };
+        let of_rims = || of_rims::distance_of(self.accuracy, &points, (objects, pair));
+        let found = found.or_else(of_rims);
         match found {
             Some(found) => within_margin(found, self.margin, a, b),
             None => self.alone(a, b).0,
@@ -187,7 +190,7 @@ impl SimdDistances {
     ) -> Verdict<Option<Distance>> {
         let sides = objects.posed(pair);
         match found {
-            Measured::Searched(nearest) => self.by_search(nearest, (objects.frames, pair), sides),
+            Measured::Searched(nearest) => self.by_search(nearest, (objects, pair), sides),
             Measured::Cuboids(features) => self.by_features(features, objects.frames, pair, sides),
             Measured::Parts(found, candidates) => self.by_parts(found, candidates, sides),
             Measured::Formula => self.by_formula(sides),

@@ -2,7 +2,7 @@
 //! proved and the vertices that the nearest points lie between.
 
 use super::bounds::{CLOSED, SHORTEST, U};
-use super::certificate::{Certificate, CertifiedBounds, UncheckedBounds, separates};
+use super::certificate::{Certificate, CertifiedBounds, separates};
 use super::first_stages::{Entry, Place, Resolved};
 use super::frame::FramePair;
 use super::obb::{self, ObbPairs};
@@ -121,8 +121,7 @@ impl CoreSearch<'_> {
     fn begin<L: Lanes>(&mut self, l: L, first: usize) {
         let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
         let Scratch { entry, boxes, first: queue, found, .. } = &mut *self.scratch;
-        // Of shapes beyond their vertices the lanes know no distance.
-        entry.read::<UncheckedBounds>(self.frames, pairs, first as u32);
+        entry.read::<CertifiedBounds>(self.frames, pairs, first as u32);
         let spheres = entry.spheres::<L, CertifiedBounds>(l);
         let live = entry.live;
         let mut beyond = beyond_by(l, spheres, self.margin) & live;

@@ -67,12 +67,7 @@ pub(super) fn turned_by(
 pub(super) fn bound_of_witnesses(depth: &Depth, size: f64, sides: [PosedShape<'_>; 2]) -> f64 {
     let far = sides.iter().map(|side| extent(side.shape)[0]).sum::<f64>();
     let off = if far > FAR * size { 2.0 * depth.error_bound } else { 0.0 };
-    (bound_of(depth, size, sides) + missed(depth) + off).min(f64::MAX)
-}
-
-/// How far the witnesses of a depth are from differing by it, metres.
-pub(super) fn missed(depth: &Depth) -> f64 {
-    (depth.point_a - depth.point_b - depth.normal * depth.depth).length()
+    (bound_of(depth, size, sides) + depth.missed() + off).min(f64::MAX)
 }
 
 #[cfg(test)]

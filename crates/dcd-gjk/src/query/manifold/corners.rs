@@ -6,8 +6,7 @@ use super::feature::{Placed, Seen, View, surely_cross};
 use super::reduce::Spot;
 use super::triangle_clip::{self, Outline};
 use super::{
-    Feature, Manifold, ManifoldPoint, SAME, bound_of, bound_of_witnesses, missed, reduce,
-    write_one_point,
+    Feature, Manifold, ManifoldPoint, SAME, bound_of, bound_of_witnesses, reduce, write_one_point,
 };
 use super::{cuboid_polygon, cuboids, hull_pair, on_plane};
 use crate::PosedShape;
@@ -82,7 +81,7 @@ impl Corners {
         let ((at, height_a), (at_b, height_b)) =
             (view.of(depth.point_a - origin), view.of(depth.point_b - origin));
         let mut corner = Corner::new(at, [height_a, height_b], [Feature::Surface; 2]);
-        corner.beside = at.distance(at_b) + missed(depth) + depth.error_bound;
+        corner.beside = at.distance(at_b) + depth.missed() + depth.error_bound;
         self.corners.push(corner);
     }
 
@@ -320,7 +319,7 @@ impl Corners {
         }
         if self.size == 0.0 {
             write_one_point(depth, features, found);
-            found.error_bound = (bound_of(depth, 0.0, [a, b]) + missed(depth)).min(f64::MAX);
+            found.error_bound = (bound_of(depth, 0.0, [a, b]) + depth.missed()).min(f64::MAX);
             return pairs;
         }
         drop_doubles(&mut self.corners, self.size);

@@ -43,7 +43,7 @@ use crate::mesh::{self, KnownParts, PartIndex};
 use crate::simd::CuboidPatch;
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
 use alone::Known;
-use bounds::{bound_of, bound_of_witnesses, missed, turned_by};
+use bounds::{bound_of, bound_of_witnesses, turned_by};
 pub use contacts::ManifoldContacts;
 use corners::Corners;
 pub(super) use cuboid_patch::depth_of_patch;

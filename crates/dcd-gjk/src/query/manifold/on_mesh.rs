@@ -5,7 +5,7 @@ use super::corners::{Corners, size_with_triangle};
 use super::facing::Part;
 use super::feature::{Placed, View};
 use super::parts::{ALIKE, ANGLE, NEAR};
-use super::{Feature, Manifold, ManifoldSet, SAME, bound_of, missed, write_one_point};
+use super::{Feature, Manifold, ManifoldSet, SAME, bound_of, write_one_point};
 use crate::PosedShape;
 use crate::epa::{self, Depth};
 use crate::mesh::{self, KnownParts, PartIndex, TouchingTriangle};
@@ -170,7 +170,7 @@ impl<'a> Patches<'a> {
     ) -> bool {
         let TouchingTriangle { corners, triangle, .. } = &self.of.triangles[lead];
         let size = size_with_triangle(corners, body.polytope);
-        let missed = missed(depth);
+        let missed = depth.missed();
         // Written so that NaN is missed.
         if !(missed <= SAME * size) {
             return false;

@@ -1,6 +1,5 @@
 //! A mesh as a surface with a front, and without the edges inside of it.
 
-use super::missed;
 use crate::PosedShape;
 use crate::closed::nearest_of_triangle;
 use crate::epa::Depth;
@@ -222,7 +221,7 @@ impl<'a> Triangle<'a> {
             point_b = point_a - whole.normal * along;
         }
         // The witness that stays is off its surface by as much as the two miss of the depth.
-        let error_bound = depth.error_bound + depth.depth * sine + missed(&depth);
+        let error_bound = depth.error_bound + depth.depth * sine + depth.missed();
         Depth { depth: along, normal: whole.normal, point_a, point_b, error_bound }
     }
 

@@ -32,7 +32,7 @@ pub(crate) struct Approach {
 }
 
 /// `gap` is how near its bounds have to come, as a length of the difference; 0 for all that f64 has. It is written over `near`,
-/// one that [begins](Approach::begin): a copy of it takes a tenth of a search.
+/// one that [begins](Approach::begin), with a simplex to start from or without: a copy of it takes a tenth of a search.
 ///
 /// # Errors
 /// The verdict, where the cores surely overlap or nothing could be found.
@@ -43,7 +43,9 @@ pub(crate) fn approach<S: InBlocks>(
     near: &mut Approach,
 ) -> Result<(), Verdict<()>> {
     let limits = [gap, f64::MAX];
-    warm_start(difference, &mut near.simplex);
+    if near.simplex.vertices().is_empty() {
+        warm_start(difference, &mut near.simplex);
+    }
     let is_warm = !near.simplex.vertices().is_empty();
     near.search(difference, bounds, limits)?;
     if !is_warm || near.length >= HARDLY || near.lower > 0.0 {
@@ -75,6 +77,14 @@ impl Approach {
     /// Of nothing yet, along the line between the centres.
     pub(crate) fn begin<A: InBlocks, B: InBlocks>(difference: &Difference<'_, f64, A, B>) -> Self {
         Self::towards(start::<f64>(difference.middle()))
+    }
+
+    /// Comes to the nearest point of its simplex, whose bounds are not known yet; false where that has none.
+    pub(super) fn come_to_nearest(&mut self) -> bool {
+        let Some(near) = self.simplex.nearest() else { return false };
+        self.simplex.keep(&near);
+        self.weights = near.weights;
+        true
     }
 
     /// Goes on from where it stands: see [`approach_from`].

@@ -4,6 +4,7 @@
 //! here each step doubles the digits. What comes out is a proposal: the pair's own bounds prove it, as any two points.
 
 use super::approach::{Approach, approach as search, approach_from, proposed_by_features};
+use super::warm_start::warm_start;
 use crate::certificate::Bounds;
 use crate::closed::curved::{self, NearestPoints};
 use crate::closed::feature_normal::{HARDLY_APART, Tangents};
@@ -18,6 +19,9 @@ const STEPS: usize = 8;
 /// off by the square of that. Larger: points that are not quite the nearest. Smaller: a step for nothing.
 const SETTLED: f64 = 1e-6;
 
+/// The same where the bounds need not come as near as f64 brings them.
+const ROUGHLY_SETTLED: f64 = 1e-3;
+
 /// What is added to the second derivatives, relative to themselves, so that parallel features have a solution. Larger: more
 /// steps. Smaller: places that rounding has moved along such features.
 const DAMPING: f64 = 1e-9;
@@ -25,6 +29,10 @@ const DAMPING: f64 = 1e-9;
 /// How far the bounds of a search may be apart at its end. Unit: the pair's size. Larger: worse bounds beside points that all but
 /// meet. Smaller: steps of Newton's for nothing.
 const OPEN: f64 = 1e-12;
+
+/// Where in a disc a place no longer belongs to its rim, for all that the search knows. Unit: the radius. Larger: rims that are taken for discs and
+/// searched on. Smaller: steps of Newton's in vain.
+const INSIDE: f64 = 0.9;
 
 /// How near the bounds have to come before the nearest features of curved shapes are taken for known. Unit: the pair's size.
 /// Larger: more proposals that the bounds refuse. Smaller: supports that a step of Newton's would have spared.
@@ -53,7 +61,6 @@ pub(super) fn approach(
     if !has_features(a.shape, b.shape) {
         return search(difference, bounds, gap, near);
     }
-    search(difference, bounds, gap.max(FEATURES_ARE_KNOWN), near)?;
     let by_steps = |[in_a, in_b]: [Feature<'_>; 2]| {
         let turned =
             |of: &Feature<'_>, side: PosedShape<'_>| of.tangents().turned(*side.pose.rotation());
@@ -61,14 +68,27 @@ pub(super) fn approach(
         let points = [in_a.point(), in_b.point()];
         proposed_by_features(difference, bounds, gap, (points, tangents))
     };
-    *near = match nearest_features(near, sides).and_then(by_steps) {
+    if near.simplex.vertices().is_empty() {
+        warm_start(difference, &mut near.simplex);
+    }
+    if near.come_to_nearest()
+        && let Some(found) = nearest_features(near, (gap, sides)).and_then(by_steps)
+    {
+        *near = found;
+        return Ok(());
+    }
+    search(difference, bounds, gap.max(FEATURES_ARE_KNOWN), near)?;
+    if near.upper - near.lower <= gap {
+        return Ok(());
+    }
+    *near = match nearest_features(near, (gap, sides)).and_then(by_steps) {
         Some(found) => found,
         None => {
             let last = approach_from(difference, bounds, [gap, f64::MAX], near.simplex)?
                 .or_earlier(near, bounds, gap);
             // Where the search has come after all, features may be known that were not before.
             let is_open = last.length < HARDLY_APART && last.upper - last.lower > gap.max(OPEN);
-            let of_features = || nearest_features(&last, sides).and_then(by_steps);
+            let of_features = || nearest_features(&last, (gap, sides)).and_then(by_steps);
             let of_edge = || nearest_points_to_edge(&last, sides).and_then(by_formula);
             is_open.then(|| of_features().or_else(of_edge)).flatten().unwrap_or(last)
         }
@@ -86,7 +106,11 @@ fn has_features(a: &Shape, b: &Shape) -> bool {
 }
 
 /// A feature of each shape and the place on it that are perhaps the nearest; `None` where the steps lead nowhere.
-fn nearest_features<'a>(near: &Approach, [a, b]: [PosedShape<'a>; 2]) -> Option<[Feature<'a>; 2]> {
+fn nearest_features<'a>(
+    near: &Approach,
+    (gap, [a, b]): (f64, [PosedShape<'a>; 2]),
+) -> Option<[Feature<'a>; 2]> {
+    let settled = if gap > 0.0 { ROUGHLY_SETTLED } else { SETTLED };
     let between = Between::of(a, b);
     let mut in_a = Feature::of(a.shape, near, |vertex| vertex.a)?;
     let mut in_b = Feature::of(b.shape, near, |vertex| vertex.b)?;
@@ -95,7 +119,7 @@ fn nearest_features<'a>(near: &Approach, [a, b]: [PosedShape<'a>; 2]) -> Option<
         let moved = in_a
             .moved([correction[0], correction[1]])?
             .max(in_b.moved([correction[2], correction[3]])?);
-        if moved <= SETTLED {
+        if moved <= settled {
             break;
         }
     }
@@ -205,7 +229,7 @@ impl<'a> Feature<'a> {
         let total: f64 = near.weights[..vertices.len()].iter().sum();
         let weighted = vertices.iter().zip(near.weights).map(|(v, weight)| (of(v), weight / total));
         match shape {
-            Shape::Curved(curved) => Some(Self::of_curved(curved, weighted)),
+            Shape::Curved(curved) => Self::of_curved(curved, weighted),
             Shape::Polytope(_) => {
                 let mut known = [(0, DVec3::ZERO, 0.0); 4];
                 let mut count = 0;
@@ -227,7 +251,11 @@ impl<'a> Feature<'a> {
         }
     }
 
-    fn of_curved(curved: &'a Curved, weighted: impl Iterator<Item = (Support<f64>, f64)>) -> Self {
+    /// `None` inside of a disc.
+    fn of_curved(
+        curved: &'a Curved,
+        weighted: impl Iterator<Item = (Support<f64>, f64)>,
+    ) -> Option<Self> {
         let [(low, _), (high, _)] = curved.discs();
         let (mut mean, mut lowest, mut highest) = (DVec3::ZERO, f64::INFINITY, f64::NEG_INFINITY);
         for (Support { point, .. }, weight) in weighted {
@@ -239,9 +267,11 @@ impl<'a> Feature<'a> {
         let flat = mean.truncate();
         let radius = curved.discs()[usize::from(up > 0.5)].1;
         if is_rim && radius == 0.0 {
-            return Self::Flat { corners: [mean; 3], weights: [0.0; 2], count: 1 };
+            return Some(Self::Flat { corners: [mean; 3], weights: [0.0; 2], count: 1 });
         }
-        Self::Round { curved, outward: flat.normalize_or(DVec2::X), up, is_rim }
+        let is_inside = is_rim && flat.length_squared() < INSIDE * INSIDE * radius * radius;
+        let round = Self::Round { curved, outward: flat.normalize_or(DVec2::X), up, is_rim };
+        (!is_inside).then_some(round)
     }
 
     fn point(&self) -> DVec3 {

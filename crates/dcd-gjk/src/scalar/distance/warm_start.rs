@@ -3,11 +3,13 @@
 //! From there the search in f64 has, mostly, one support left to take. What f32 gets wrong costs it more of them. Where
 //! cores hardly touch it knows less than from afar, for it tries fewer directions: `approach` searches again there.
 
+use crate::body::Body;
 use crate::gjk::Simplex;
+use crate::rims::Rims;
 use crate::supports::InBlocks;
 use crate::{Difference, Vertex};
 use dcd_geom::glam::{DVec3, Mat3, Vec3};
-use dcd_geom::{Polytope, Support};
+use dcd_geom::{Curved, Polytope, Support};
 use dcd_simd::{Block, Kernel, Lanes, WIDTH, dispatch};
 use std::ops::Range;
 
@@ -18,29 +20,72 @@ const MOST: usize = 24;
 /// unit. Larger: idle steps. Smaller: more supports in f64.
 const NEARER: f32 = 1.0 - 1e-6;
 
+/// How near the bounds have to come where one core is curved: then its nearest feature is known, mostly. Unit: the difference's
+/// size, about 1. Larger: features that are not the nearest. Smaller: supports that a step of Newton's would have spared.
+const CLOSE: f32 = 3e-3;
+
 /// The scales at which coordinates and their products stay well within f32. Per metre.
 const SCALES: Range<f64> = 1.0 / (1u64 << 30) as f64..(1u64 << 30) as f64;
 
-/// The vertices of a difference between which its nearest point probably is, at most three; none of other shapes than
-/// polytopes, of two with few vertices, whose supports are as quick in f64, and where f32 is of no use. The same on every path.
+/// The vertices of a difference between which its nearest point probably is, at most three; none of shapes that are neither
+/// polytopes nor cylinders or cones, of two polytopes with few vertices, whose supports are as quick in f64, and where f32 is of no
+/// use. The same on every path.
 pub(super) fn warm_start<A: InBlocks, B: InBlocks>(
     difference: &Difference<'_, f64, A, B>,
     simplex: &mut Simplex<f64>,
 ) {
     let (a, b) = difference.maps();
-    let (Some(a), Some(b)) = (a.polytope(), b.polytope()) else { return };
-    let have_few = a.vertex_blocks().is_empty() && b.vertex_blocks().is_empty();
+    let (Some(a), Some(b)) = (Core::of(a), Core::of(b)) else { return };
+    let have_few = a.has_few_vertices() && b.has_few_vertices();
     if have_few || !SCALES.contains(&difference.scale()) {
         return;
     }
-    let support = |polytope: &Polytope, feature: u32| Support {
-        point: polytope.vertices()[feature as usize],
-        feature,
-    };
     let corners = dispatch(Search { a, b, frame: Frame::of(difference) });
     for &Corner { features: [k, l], .. } in corners.list() {
-        let (a, b) = (support(a, k), support(b, l));
+        let (a, b) = (a.body().support(k), b.body().support(l));
         simplex.push(Vertex { w: difference.world(a.point, b.point), a, b });
+    }
+}
+
+/// A core that the search knows.
+#[derive(Clone, Copy)]
+enum Core<'a> {
+    Polytope(&'a Polytope),
+    Curved(&'a Curved, Rims),
+}
+
+impl<'a> Core<'a> {
+    fn of(map: &'a impl InBlocks) -> Option<Self> {
+        let of_curved =
+            |curved: &'a Curved| Self::Curved(curved, Rims::of(curved, curved.inner().centre));
+        map.polytope().map(Self::Polytope).or_else(|| map.curved().map(of_curved))
+    }
+
+    fn is_curved(self) -> bool {
+        matches!(self, Self::Curved(..))
+    }
+
+    fn has_few_vertices(self) -> bool {
+        matches!(self, Self::Polytope(polytope) if polytope.vertex_blocks().is_empty())
+    }
+
+    fn body(self) -> Body<'a> {
+        match self {
+            Self::Polytope(polytope) => Body::Polytope(polytope),
+            Self::Curved(curved, _) => Body::Curved(curved),
+        }
+    }
+
+    /// The point that is farthest along a direction of its own frame but for rounding, relative to its centre, and its number.
+    #[inline(always)]
+    fn farthest<L: Lanes>(&self, l: L, direction: Vec3) -> Support<f32> {
+        match self {
+            Self::Polytope(polytope) => farthest(l, polytope, direction),
+            Self::Curved(_, rims) => {
+                let (point, feature) = rims.farthest(direction);
+                Support { point, feature }
+            }
+        }
     }
 }
 
@@ -65,8 +110,8 @@ impl Frame {
 
 /// GJK in f32.
 struct Search<'a> {
-    a: &'a Polytope,
-    b: &'a Polytope,
+    a: Core<'a>,
+    b: Core<'a>,
     frame: Frame,
 }
 
@@ -78,9 +123,13 @@ impl Kernel for Search<'_> {
         let mut corners = Corners::default();
         let mut direction = self.frame.middle;
         let mut nearest_so_far = f32::MAX;
+        let is_curved = self.a.is_curved() || self.b.is_curved();
         for _ in 0..MOST {
             let corner = self.lowest(l, direction);
-            if corners.holds(&corner) {
+            // Of polytopes the last vertex is one that is known.
+            let gap = nearest_so_far - direction.dot(corner.at);
+            let is_close = is_curved && gap < CLOSE * direction.length();
+            if is_close || corners.holds(&corner) {
                 break;
             }
             let Some(near) = corners.nearest_with(&corner) else { break };
@@ -106,7 +155,7 @@ impl Search<'_> {
             turn.y_axis.dot(direction),
             turn.z_axis.dot(direction),
         );
-        let (a, b) = (farthest(l, a, -direction), farthest(l, b, in_b));
+        let (a, b) = (a.farthest(l, -direction), b.farthest(l, in_b));
         let at = (a.point - *turn * b.point) * *scale + *middle;
         Corner { at, features: [a.feature, b.feature] }
     }

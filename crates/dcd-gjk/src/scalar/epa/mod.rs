@@ -72,6 +72,11 @@ impl Depth {
         self.error_bound == f64::MAX
     }
 
+    /// How far the witnesses are from differing by it along its normal, metres.
+    pub(crate) fn missed(&self) -> f64 {
+        (self.point_a - self.point_b - self.normal * self.depth).length()
+    }
+
     /// At most the true depth: at least 0, finite; 0 where the depth
     /// [is saturated](Self::is_saturated).
     pub fn lower(&self) -> f64 {

@@ -2,10 +2,11 @@
 
 use super::super::bounds::U;
 use super::super::cores::Core;
-use super::body::Body;
+use super::points::Points;
 use super::search::{Cloud, LENGTH, OFF, REACH};
 use super::surface::{Point, Surface};
 use super::vectors::Bits;
+use crate::body::Body;
 use crate::difference::power_of_two_below_one;
 use crate::distance::{gap_along, rounded_up};
 use crate::epa::Depth;
@@ -13,7 +14,7 @@ use crate::expanding::{Ending, FACING, confirmed_depth, is_inside};
 use crate::query::FoundDepth;
 use crate::{Accuracy, Difference, PosedShape, PosedSupport, order};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Kind, Polytope, Shape};
+use dcd_geom::{Kind, Polytope};
 use dcd_simd::{Block, Lanes};
 
 /// A hull with more blocks of vertices is searched in f64. Blocks of sixteen.
@@ -44,11 +45,7 @@ impl<'a> Side<'a> {
     /// Its core, of a polytope, cylinder or cone that the lanes know.
     #[inline(always)]
     fn body(&self) -> Option<Body<'a>> {
-        let body = match self.placed.shape {
-            Shape::Polytope(polytope) => Body::Polytope(polytope),
-            Shape::Curved(curved) => Body::Curved(curved),
-            _ => return None,
-        };
+        let body = Body::of(self.placed.shape)?;
         (1..=BLOCKS).contains(&self.blocks.len()).then_some(body)
     }
 }
@@ -117,8 +114,8 @@ impl<'a> SearchedPair<'a> {
         let [body_a, body_b] = bodies;
         let cloud = Cloud {
             points: [
-                body_a.points((poses[0].rotation(), a.core.centre), a.blocks),
-                body_b.points((poses[1].rotation(), b.core.centre), b.blocks),
+                Points::of(body_a, (poses[0].rotation(), a.core.centre), a.blocks),
+                Points::of(body_b, (poses[1].rotation(), b.core.centre), b.blocks),
             ],
             scale: scale as f32,
             middle: middle.as_vec3(),
@@ -134,17 +131,17 @@ impl<'a> SearchedPair<'a> {
         if self.is_swapped { [b, a] } else { [a, b] }
     }
 
-    /// Whether the depth is that of the cores and the radii: without one the cores may be apart.
+    /// Whether they are polytopes of which one has a radius: their cores may be apart, and f64 is the one to say so.
     #[inline(always)]
-    pub(super) fn is_swept(&self) -> bool {
-        self.is_swept
+    pub(super) fn has_swept_polytopes(&self) -> bool {
+        self.is_swept && !self.cloud.is_round()
     }
 
     /// How well the search and its end have to know the depth. The cores of swept polytopes are measured in f64 even where
     /// f32 would do: the bounds are those of the search that they have pair by pair.
     #[inline(always)]
     pub(super) fn sharpened(&self, accuracy: Accuracy) -> Accuracy {
-        let is_sharpened = self.is_swept && !self.cloud.is_round() && accuracy == Accuracy::F32;
+        let is_sharpened = self.has_swept_polytopes() && accuracy == Accuracy::F32;
         if is_sharpened { Accuracy::F64 } else { accuracy }
     }
 

@@ -6,13 +6,12 @@
 
 mod answers;
 mod apart;
-mod body;
 mod confirm;
 mod formulas;
 mod nearest_face;
 mod of_parts;
+mod points;
 mod proposed;
-mod rims;
 mod search;
 mod search_pairs;
 mod searched;
@@ -20,6 +19,7 @@ mod start;
 mod surface;
 mod vectors;
 
+pub(super) use points::Points;
 pub(super) use vectors::vertex;
 
 use super::closed::{depths as of_cuboids, patches};

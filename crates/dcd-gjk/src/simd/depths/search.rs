@@ -1,7 +1,7 @@
 //! The expanding polytope of one pair in f32, support by support: many pairs are searched side by side.
 
 use super::super::bounds::U;
-use super::body::Points;
+use super::points::Points;
 use super::start::Extremes;
 use super::surface::{Point, Surface};
 use super::vectors::{farthest, splat, vertex};

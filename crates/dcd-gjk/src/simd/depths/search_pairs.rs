@@ -83,7 +83,7 @@ impl Kernel for SearchPairs<'_> {
                     }
                     Next::Failed => None,
                 };
-                if found.is_none() && seat.pair.is_swept() {
+                if found.is_none() && seat.pair.has_swept_polytopes() {
                     self.apart.push(seat.number as u32);
                     *place = None;
                     continue;

@@ -1,6 +1,6 @@
 //! Where a search starts: the points of both objects that are farthest along the world's axes.
 
-use super::body::Points;
+use super::points::Points;
 use super::vectors::{Axis, farthest, vertex};
 use dcd_geom::glam::{Vec3, Vec4};
 use dcd_simd::{Block, Lanes};

@@ -4,7 +4,7 @@
 use super::super::Scratch as Yes;
 use super::super::closed::{are_cuboids, nearest_features as of_cuboids};
 use super::super::expand::has_parts;
-use super::super::frame::FramePair;
+use super::super::frame::{FramePair, LIVE, SPHERE, STRAIGHT_CORE, WHOLE};
 use super::super::nearest_points::{self, Found};
 use super::super::straight::CoreForm;
 use super::by_parts::ByParts;
@@ -96,7 +96,10 @@ impl Searched {
     /// Looks for the nearest vertices of those pairs of which none are known.
     fn find(&mut self, path: Path, frames: FramePair<'_>, (pairs, margin): (&[Pair], f64)) {
         let Self { found, near, measured, numbers, rest, open, nearest } = self;
-        let is_open = |number: &u32| matches!(found[*number as usize], Found::Unknown);
+        let is_open = |number: &u32| {
+            let pair = pairs[*number as usize];
+            matches!(found[*number as usize], Found::Unknown) & are_searched(frames, pair)
+        };
         choose(numbers.iter().map(|number| (*number, is_open(number))), rest);
         if frames.have_vertices() && !rest.is_empty() {
             // Without vertices they are spheres and cuboids, which have a formula.
@@ -150,6 +153,16 @@ impl Sorted {
         }
         choose((0..).zip(kinds.iter().map(|&kind| kind != Kind::Beyond)), read);
     }
+}
+
+/// Whether the vertices of two objects lead to their nearest points. What is more than its vertices has a formula beside a sphere or
+/// capsule, and beside its like.
+#[inline(always)]
+fn are_searched(frames: FramePair<'_>, pair: Pair) -> bool {
+    let [a, b] = [frames.a.record(pair.i).marks, frames.b.record(pair.j).marks];
+    let (both, either) = (a & b, a | b);
+    let is_polytope = (either & WHOLE != 0) & (either & (SPHERE | STRAIGHT_CORE) == 0);
+    (both & WHOLE != 0) | ((both & LIVE != 0) & is_polytope)
 }
 
 /// Lists the items that are chosen, without a branch.

@@ -75,7 +75,8 @@ fn every_path_ends_with_the_same_vertices() {
         let [at_a, at_b] = poses(&mut draw, [&a, &b]);
         let posed = (PosedSupport::polytope(&a, &at_a), PosedSupport::polytope(&b, &at_b));
         let difference = Difference::<f64, _, _>::new(posed.0, posed.1).unwrap();
-        let search = || Search { a: &a, b: &b, frame: Frame::of(&difference) };
+        let [a, b] = [&a, &b].map(Core::Polytope);
+        let search = || Search { a, b, frame: Frame::of(&difference) };
         let due = dispatch_on(Path::Portable, search());
         for path in Path::ALL {
             let found = dispatch_on(path, search());

@@ -1,9 +1,9 @@
-//! The points of cylinders and cones that a search of a depth may come to: those of their rims, and the middles of their discs.
+//! The points of cylinders and cones that a search in f32 may come to: those of their rims, and the middles of their discs.
 //!
 //! Each has a number, as a vertex has, from which it is known again in f64.
 
 use dcd_geom::Curved;
-use dcd_geom::glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
+use dcd_geom::glam::{DVec2, DVec3, Vec3};
 
 /// The bit of a number that says which disc: set of the upper one.
 const UPPER: u32 = 1 << 31;
@@ -21,32 +21,25 @@ const MIDDLE: u32 = UPPER - 1;
 /// rounding. Larger: the middles of discs where their rims are farther.
 const LEAST: f32 = f32::MIN_POSITIVE / f32::EPSILON;
 
-/// A cylinder's or cone's core, turned into the world's axes, round its centre.
+/// A cylinder's or cone's core as f32 has it, in its own frame, round a point of its axis.
 #[derive(Clone, Copy)]
-pub(super) struct Rims {
-    /// z from the centre, and the radius.
+pub(crate) struct Rims {
+    /// z from that point, and the radius.
     discs: [(f32, f32); 2],
-    turn: Mat3,
 }
 
 impl Rims {
     /// Of a core whose centre is that, on its axis.
     #[inline]
-    pub(super) fn of(curved: &Curved, turn: &DMat3, centre: DVec3) -> Self {
-        let discs = curved.discs().map(|(z, radius)| ((z - centre.z) as f32, radius as f32));
-        Self { discs, turn: turn.as_mat3() }
+    pub(crate) fn of(curved: &Curved, centre: DVec3) -> Self {
+        Self { discs: curved.discs().map(|(z, radius)| ((z - centre.z) as f32, radius as f32)) }
     }
 
     /// The point that is farthest along a direction, up to rounding, and its number. It is a point of the core but for 5u of the
-    /// radius, and what turning it loses as it does of a vertex.
+    /// radius.
     #[inline]
-    pub(super) fn farthest(&self, direction: Vec3) -> (Vec3, u32) {
-        let Self { discs: [low, high], turn } = self;
-        let Vec3 { x, y, z } = Vec3::new(
-            turn.x_axis.dot(direction),
-            turn.y_axis.dot(direction),
-            turn.z_axis.dot(direction),
-        );
+    pub(crate) fn farthest(&self, Vec3 { x, y, z }: Vec3) -> (Vec3, u32) {
+        let [low, high] = self.discs;
         let squared = x * x + y * y;
         let across = squared.sqrt();
         let is_upper = z * high.0 + across * high.1 > z * low.0 + across * low.1;
@@ -55,11 +48,9 @@ impl Rims {
         self.at(seen, is_upper)
     }
 
-    /// The point of a rim next to one that is as far from the centre, turned, and its number.
-    pub(super) fn next_to(&self, turned: Vec3) -> (Vec3, u32) {
+    /// The point of a rim next to one that is as far from the centre, and its number.
+    pub(crate) fn next_to(&self, Vec3 { x, y, z }: Vec3) -> (Vec3, u32) {
         let [low, high] = self.discs;
-        let z = self.turn.z_axis.dot(turned);
-        let [x, y] = [self.turn.x_axis.dot(turned), self.turn.y_axis.dot(turned)];
         // Of 1 at most, so that the squares of small shapes do not underflow: what is longer than 1 would be beside the rim.
         let most = x.abs().max(y.abs());
         let [x, y] = if most > 0.0 { [x / most, y / most] } else { [0.0; 2] };
@@ -72,7 +63,7 @@ impl Rims {
     #[inline]
     fn at(&self, [x, y]: [f32; 2], is_upper: bool) -> (Vec3, u32) {
         let (z, radius) = self.discs[usize::from(is_upper)];
-        (self.turn * Vec3::new(radius * x, radius * y, z), number([x, y], is_upper))
+        (Vec3::new(radius * x, radius * y, z), number([x, y], is_upper))
     }
 }
 
@@ -97,7 +88,7 @@ fn number([x, y]: [f32; 2], is_upper: bool) -> u32 {
 
 /// The point of that number, in the shape's own frame.
 #[inline]
-pub(super) fn point(curved: &Curved, number: u32) -> DVec3 {
+pub(crate) fn point(curved: &Curved, number: u32) -> DVec3 {
     let (z, radius) = curved.discs()[usize::from(number & UPPER != 0)];
     if number & MIDDLE == MIDDLE {
         return DVec3::Z * z;
@@ -118,10 +109,9 @@ mod tests {
     use super::*;
     use crate::motion::tests::Draw;
     use dcd_geom::SupportMap;
-    use dcd_geom::glam::DQuat;
 
     /// What f32 may lose of such a point, relative to the core's size: some roundings.
-    const LOST: f64 = 16.0 / (1u64 << 24) as f64;
+    const LOST: f64 = 8.0 / (1u64 << 24) as f64;
 
     /// A cylinder or cone, flat, long or neither.
     fn curved(draw: &mut Draw, k: usize) -> Curved {
@@ -140,12 +130,8 @@ mod tests {
         let mut middles = 0;
         for k in 0..20_000 {
             let curved = curved(&mut draw, k);
-            let turn = match k % 5 {
-                0 => DMat3::IDENTITY,
-                _ => DMat3::from_quat(DQuat::from_scaled_axis(draw.vector() * 3.0)),
-            };
             let centre = curved.inner().centre;
-            let rims = Rims::of(&curved, &turn, centre);
+            let rims = Rims::of(&curved, centre);
             let mut direction = draw.vector();
             // Along an axis, and all but along one.
             direction[k / 3 % 3] *= [1.0, 0.0, 1e-12][k / 9 % 3];
@@ -154,10 +140,9 @@ mod tests {
             let (found, number) = rims.farthest(direction);
             let lost = LOST * curved.reach();
             let own = point(&curved, number);
-            let again = turn * (own - centre);
-            assert!(found.as_dvec3().distance(again) <= lost, "{k}: {found} {again}");
+            assert!(found.as_dvec3().distance(own - centre) <= lost, "{k}: {found} {own}");
             // No farther than the support, and no nearer.
-            let d = turn.transpose() * direction.as_dvec3();
+            let d = direction.as_dvec3();
             let due = d.dot(SupportMap::<f64>::support(&curved, d).point - own);
             assert!(due.abs() <= lost * d.length(), "{k}: {due} {own}");
             let [(low, _), (high, _)] = curved.discs();
@@ -176,8 +161,7 @@ mod tests {
                 0 => curved(&mut draw, k),
                 _ => Curved::cylinder(1e-22, 1e-20 * 0.1f64.powi(k as i32 % 5)).unwrap(),
             };
-            let turn = DMat3::from_quat(DQuat::from_scaled_axis(draw.vector() * 3.0));
-            let rims = Rims::of(&curved, &turn, curved.inner().centre);
+            let rims = Rims::of(&curved, curved.inner().centre);
             let (found, number) = rims.farthest(draw.vector().as_vec3());
             let (next, again) = rims.next_to(found);
             let apart = point(&curved, number).distance(point(&curved, again));
