@@ -184,10 +184,10 @@ fn the_lanes_report_the_same_pairs_and_the_distance_alone_is_within_their_bound_
     }
 }
 
-const ACCURACIES: [Accuracy; 3] = [Accuracy::F32, Accuracy::F64, Accuracy::Certified];
+pub(super) const ACCURACIES: [Accuracy; 3] = [Accuracy::F32, Accuracy::F64, Accuracy::Certified];
 
 /// How many pairs of a scene of so many objects have a distance; each mirrored in the scene of the same objects in reverse.
-fn measured_in_both_orders(
+pub(super) fn measured_in_both_orders(
     all: &[Contact<Option<Distance>>],
     seen: &[Contact<Option<Distance>>],
     objects: u32,

@@ -16,6 +16,7 @@ mod patches;
 mod proximity;
 mod ranks;
 mod round_depths;
+mod round_distances;
 mod scenes;
 mod sphere_scenes;
 mod surfaces;

@@ -13,7 +13,7 @@ use dcd_gjk::{
 use dcd_simd::Path;
 
 /// Cylinders and cones, some flat or long or rounded, and what is not round.
-fn shapes(draw: &mut Draw, scale: f64) -> Vec<Shape> {
+pub(super) fn shapes(draw: &mut Draw, scale: f64) -> Vec<Shape> {
     let mut all = Vec::new();
     for k in 0..24 {
         let stretch = [1.0, 0.02, 30.0][k % 3];

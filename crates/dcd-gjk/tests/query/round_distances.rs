@@ -1,0 +1,129 @@
+//! How far cylinders and cones are from what has corners, and from each other, as the lanes begin it: beside planes between the
+//! two and points on both.
+
+use super::distances::{ACCURACIES, measured_in_both_orders};
+use super::patches::off_surface;
+use super::round_depths::shapes;
+use super::scenes::{Draw, in_both_orders};
+use super::within::found;
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::{Object, Pair, Pose, Scene, Shape, SupportMap};
+use dcd_gjk::distance::gap_along;
+use dcd_gjk::{Accuracy, Contact, Distance, PosedShape, SimdDistances};
+use dcd_simd::Path;
+
+/// Pairs 2k, 2k + 1, turned at random, alike, by quarters or by all but that, and apart along some way: by much, little and hardly
+/// anything.
+fn objects(draw: &mut Draw, shapes: &[Shape], [scale, far]: [f64; 2], count: u32) -> Vec<Object> {
+    let round = 24;
+    let mut objects = Vec::new();
+    for k in 0..count {
+        let kind = |draw: &mut Draw, most: usize| (draw.unit().abs() * most as f64) as u32;
+        let (one, other) = (kind(draw, round), kind(draw, shapes.len()));
+        let place = draw.vector() * far;
+        let turn = if k % 3 == 0 { DQuat::IDENTITY } else { draw.turn() };
+        let second = match k % 7 {
+            0 => turn,
+            1 => turn * DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
+            2 => turn * DQuat::from_scaled_axis(draw.vector() * 1e-7),
+            _ => draw.turn(),
+        };
+        let way = match k % 5 {
+            0 => turn * DVec3::Z,
+            1 => turn * DVec3::X,
+            _ => draw.vector().normalize(),
+        };
+        let along = |side: u32, turn: DQuat, way: DVec3| {
+            let (local, shape) = (turn.inverse() * way, &shapes[side as usize]);
+            local.dot(shape.support(local).point) + shape.radius()
+        };
+        let most = along(one, turn, way) + along(other, second, -way);
+        let gap = [0.5 * draw.unit().abs(), 0.05, 1e-3, 1e-6][k as usize % 4] * scale;
+        objects.push(Object::new(one, Pose::new(turn, place).unwrap()));
+        objects.push(Object::new(other, Pose::new(second, place + way * (most + gap)).unwrap()));
+    }
+    objects
+}
+
+fn distances(accuracy: Accuracy, scene: &Scene, pairs: &[Pair]) -> Vec<Contact<Option<Distance>>> {
+    let reach = scene.shapes().iter().map(Shape::reach).fold(0.0, f64::max);
+    let on = |path| found(&SimdDistances::on(path, 4.0 * reach, accuracy).unwrap(), scene, pairs).0;
+    let first = on(Path::Portable);
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        assert_eq!(on(path), first, "{path:?}");
+    }
+    first
+}
+
+#[test]
+fn a_plane_between_and_points_on_both_are_within_the_bound() {
+    for accuracy in ACCURACIES {
+        let mut bounds = Vec::new();
+        for (seed, scale, far, count) in [
+            (1, 1.0, 1.0, 800),
+            (2, 1e-4, 1e-4, 300),
+            (3, 1e5, 1e5, 300),
+            (4, 1.0, 1e5, 300),
+            (5, 1e-20, 1e-20, 200),
+        ] {
+            let mut draw = Draw::seeded(seed);
+            let shapes = shapes(&mut draw, scale);
+            let objects = objects(&mut draw, &shapes, [scale, far], count);
+            let scene = Scene::new(shapes, objects).unwrap();
+            let pairs: Vec<_> = (0..count).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
+            let all = distances(accuracy, &scene, &pairs);
+            assert_eq!(all.len(), pairs.len());
+            for Contact { pair, answer } in all {
+                // Closer than f64 knows.
+                let Some(answer) = answer.filter(|answer| answer.lower() > 0.0) else { continue };
+                let sides = [pair.i, pair.j].map(|k| PosedShape::of(&scene, k));
+                let [a, b] = sides;
+                let apart = a.pose.translation() - b.pose.translation();
+                let size = a.shape.reach() + b.shape.reach() + apart.abs().element_sum();
+                let what = format!("{accuracy:?} {seed} {pair:?} {answer:?} {sides:?}");
+                let least = gap_along(a, b, answer.normal).unwrap();
+                assert!(least <= answer.upper(), "{what}: {least}");
+                let rounding = 1e-14 * (size + a.pose.translation().length());
+                let between = answer.point_a.distance(answer.point_b);
+                assert!(answer.lower() <= between + rounding, "{what}: {between}");
+                // The plane that the bound is from may be turned a little from the one that the normal shows.
+                let turned = if accuracy == Accuracy::F32 { 1e-5 } else { 1e-9 } * size;
+                assert!(answer.lower() - least <= turned, "{what}: {least}");
+                let slack = answer.error_bound + rounding + 3e-8 * size;
+                for (point, side) in [(answer.point_a, a), (answer.point_b, b)] {
+                    let beside = off_surface(point, side.shape, side.pose);
+                    assert!(beside <= slack, "{what}: {beside}");
+                }
+                assert!(between <= answer.upper() + slack, "{what}: {between}");
+                bounds.push(answer.error_bound / size);
+            }
+        }
+        bounds.sort_unstable_by(f64::total_cmp);
+        let at = |share: f64| bounds[((bounds.len() - 1) as f64 * share) as usize];
+        println!("{} {:e} {:e} {:e}", bounds.len(), at(0.5), at(0.99), at(1.0));
+        let limit = if accuracy == Accuracy::F32 { 1e-5 } else { 1e-11 };
+        assert!(bounds.len() > 1700 && at(0.99) < limit, "{}: {}", bounds.len(), at(0.99));
+    }
+}
+
+#[test]
+fn both_orders_of_round_pairs_are_mirrored_and_other_pairs_change_nothing() {
+    let mut draw = Draw::seeded(6);
+    let shapes = shapes(&mut draw, 1.0);
+    let objects = objects(&mut draw, &shapes, [1.0, 2.0], 40);
+    let count = objects.len() as u32;
+    let [scene, mirrored] = in_both_orders(shapes, objects);
+    let pairs: Vec<_> =
+        (0..count).flat_map(|i| (i + 1..count).map(move |j| Pair::new(i, j))).collect();
+    for accuracy in ACCURACIES {
+        let all = distances(accuracy, &scene, &pairs);
+        let seen = distances(accuracy, &mirrored, &pairs);
+        let measured = measured_in_both_orders(&all, &seen, count);
+        assert!(measured > 1000, "{measured}");
+        for chunk in pairs.chunks(7) {
+            let some = distances(accuracy, &scene, chunk);
+            let same = all.iter().filter(|contact| chunk.contains(&contact.pair));
+            assert!(some.iter().eq(same));
+        }
+    }
+}
