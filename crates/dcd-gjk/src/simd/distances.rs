@@ -37,7 +37,8 @@ use std::slice;
 /// vertices, of cuboids the nearest faces, edges or corners. At [`Accuracy::F32`] spheres and capsules, with each other and
 /// with cuboids, are evaluated once in f64, with its bound. Of others the distance is that of the points there, of vertices
 /// in f32 unless the shapes are close, and the bound is what the lanes prove from below: some millionths of the pair's
-/// size. At the other accuracies the search goes on from them in f64 or longer numbers, with the bounds of these. Compounds
+/// size. At the other accuracies the search goes on from them in f64 or longer numbers, with the bounds of these. Beside a
+/// cylinder or cone it goes on in f64 at any accuracy, from the nearest vertices of a hull inside that one. Compounds
 /// are as far apart as their nearest parts, which the lanes look for. Shapes without a lane kernel, sizes outside f32's range,
 /// and pairs whose bound is too wide are measured one pair at a time.
 ///
