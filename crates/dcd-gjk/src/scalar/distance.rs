@@ -227,34 +227,31 @@ pub(crate) fn of_apart_cores(
     [a, b]: [PosedShape<'_>; 2],
     nearest: [[Support<f64>; 2]; 3],
 ) -> Option<DistanceResult> {
-    let in_order = |a: PosedShape<'_>, b: PosedShape<'_>, nearest| {
-        let bodies = [a, b].map(|side| PosedSupport::shape(side.shape, side.pose));
-        let search = (gap_at(accuracy), [a, b]);
-        measured(bodies[0], bodies[1], |pair, bounds, near| {
-            span(&mut near.simplex, pair, nearest);
-            newton::approach(pair, bounds, search, near)
-        })
-    };
+    let gap = gap_at(accuracy);
     let found = if order::is_swapped(a, b) {
-        in_order(b, a, nearest.map(|[a, b]| [b, a])).mirrored()
+        of_shapes(gap, [b, a], &nearest.map(|[a, b]| [b, a])).mirrored()
     } else {
-        in_order(a, b, nearest)
+        of_shapes(gap, [a, b], &nearest)
     };
     matches!(found, DistanceResult::Apart(_)).then_some(found)
 }
 
-/// Adds those points of a and of b, each once.
-fn span<S: SupportMap<f64>>(
-    simplex: &mut Simplex<f64>,
-    difference: &Difference<'_, f64, S, S>,
-    points: [[Support<f64>; 2]; 3],
-) {
-    for [a, b] in points {
-        let vertex = Vertex { w: difference.world(a.point, b.point), a, b };
-        if !simplex.holds(&vertex) {
-            simplex.push(vertex);
+/// The distance of two shapes of which one is no polytope, by f64, from those points of a and of b if there are some.
+fn of_shapes(
+    gap: f64,
+    sides: [PosedShape<'_>; 2],
+    nearest: &[[Support<f64>; 2]],
+) -> DistanceResult {
+    let [a, b] = sides.map(|side| PosedSupport::shape(side.shape, side.pose));
+    measured(a, b, |difference, bounds, near| {
+        for &[a, b] in nearest {
+            let vertex = Vertex { w: difference.world(a.point, b.point), a, b };
+            if !near.simplex.holds(&vertex) {
+                near.simplex.push(vertex);
+            }
         }
-    }
+        newton::approach(difference, bounds, (gap, sides), near)
+    })
 }
 
 /// In f64 where that knows more than that they are apart.
@@ -312,10 +309,7 @@ fn in_f64_in_order(gap: f64, a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceRe
             {
                 return found;
             }
-            let bodies = [a, b].map(|side| PosedSupport::shape(side.shape, side.pose));
-            measured(bodies[0], bodies[1], |pair, bounds, near| {
-                newton::approach(pair, bounds, (gap, [a, b]), near)
-            })
+            of_shapes(gap, [a, b], &[])
         }
     }
 }

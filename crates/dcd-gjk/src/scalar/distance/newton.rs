@@ -46,54 +46,76 @@ pub(super) fn approach(
     near: &mut Approach,
 ) -> Result<(), Verdict<()>> {
     let [a, b] = sides;
+    let proposals = Proposals { difference, bounds, gap, sides };
     // Products of lengths in metres stay clear of underflow.
     if !closed::SIZES.contains(&(difference.size() / difference.scale())) {
         return search(difference, bounds, gap, near);
     }
-    let by_formula = |found: NearestPoints<'_>| {
-        let tangents = || found.tangents();
-        proposed_by_features(difference, bounds, gap, (found.points, tangents))
-    };
-    if let Some(found) = curved::nearest_points(a, b).and_then(by_formula) {
+    if let Some(found) = curved::nearest_points(a, b).and_then(|found| proposals.of_points(found)) {
         *near = found;
         return Ok(());
     }
     if !has_features(a.shape, b.shape) {
         return search(difference, bounds, gap, near);
     }
-    let by_steps = |[in_a, in_b]: [Feature<'_>; 2]| {
-        let turned =
-            |of: &Feature<'_>, side: PosedShape<'_>| of.tangents().turned(*side.pose.rotation());
-        let tangents = || [turned(&in_a, a), turned(&in_b, b)];
-        let points = [in_a.point(), in_b.point()];
-        proposed_by_features(difference, bounds, gap, (points, tangents))
-    };
     if near.simplex.vertices().is_empty() {
         warm_start(difference, &mut near.simplex);
     }
     if near.come_to_nearest()
-        && let Some(found) = nearest_features(near, (gap, sides)).and_then(by_steps)
+        && let Some(found) = proposals.of_features(near)
     {
         *near = found;
         return Ok(());
     }
-    search(difference, bounds, gap.max(FEATURES_ARE_KNOWN), near)?;
-    if near.upper - near.lower <= gap {
-        return Ok(());
+    proposals.search_on(near)
+}
+
+/// What is proposed of a pair, and proved by its bounds.
+struct Proposals<'a, 'b> {
+    difference: &'a Difference<'b, f64, Shape, Shape>,
+    bounds: &'a Bounds<f64>,
+    /// How near these have to come.
+    gap: f64,
+    sides: [PosedShape<'b>; 2],
+}
+
+impl Proposals<'_, '_> {
+    fn of_points(&self, found: NearestPoints<'_>) -> Option<Approach> {
+        let tangents = || found.tangents();
+        proposed_by_features(self.difference, self.bounds, self.gap, (found.points, tangents))
     }
-    *near = match nearest_features(near, (gap, sides)).and_then(by_steps) {
-        Some(found) => found,
-        None => {
-            let last = approach_from(difference, bounds, [gap, f64::MAX], near.simplex)?
-                .or_earlier(near, bounds, gap);
-            // Where the search has come after all, features may be known that were not before.
-            let is_open = last.length < HARDLY_APART && last.upper - last.lower > gap.max(OPEN);
-            let of_features = || nearest_features(&last, (gap, sides)).and_then(by_steps);
-            let of_edge = || nearest_points_to_edge(&last, sides).and_then(by_formula);
-            is_open.then(|| of_features().or_else(of_edge)).flatten().unwrap_or(last)
+
+    /// By Newton's method, from where a search has come.
+    fn of_features(&self, near: &Approach) -> Option<Approach> {
+        let Self { difference, bounds, gap, sides } = *self;
+        let [in_a, in_b] = nearest_features(near, (gap, sides))?;
+        let turned =
+            |of: &Feature<'_>, side: PosedShape<'_>| of.tangents().turned(*side.pose.rotation());
+        let tangents = || [turned(&in_a, sides[0]), turned(&in_b, sides[1])];
+        let points = [in_a.point(), in_b.point()];
+        proposed_by_features(difference, bounds, gap, (points, tangents))
+    }
+
+    /// Searches on in f64, until the features are known, and where that does not help to the end.
+    fn search_on(&self, near: &mut Approach) -> Result<(), Verdict<()>> {
+        let Self { difference, bounds, gap, sides } = *self;
+        search(difference, bounds, gap.max(FEATURES_ARE_KNOWN), near)?;
+        if near.upper - near.lower <= gap {
+            return Ok(());
         }
-    };
-    Ok(())
+        if let Some(found) = self.of_features(near) {
+            *near = found;
+            return Ok(());
+        }
+        let last = approach_from(difference, bounds, [gap, f64::MAX], near.simplex)?
+            .or_earlier(near, bounds, gap);
+        // Where the search has come after all, features may be known that were not before.
+        let is_open = last.length < HARDLY_APART && last.upper - last.lower > gap.max(OPEN);
+        let of_edge = || self.of_points(nearest_points_to_edge(&last, sides)?);
+        let proposed = || self.of_features(&last).or_else(of_edge);
+        *near = is_open.then(proposed).flatten().unwrap_or(last);
+        Ok(())
+    }
 }
 
 /// Whether two shapes have features that are known here, one of them a curved one.
