@@ -5,7 +5,7 @@ mod judge;
 
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Curved, Polytope, Pose, Shape, SupportMap};
-use dcd_gjk::{DistanceResult, PosedShape, Verdict, certified, distance};
+use dcd_gjk::{Accuracy, DistanceResult, PosedShape, Verdict, certified, distance};
 use judge::cases::Draw;
 use num_bigint::BigInt;
 use std::f64::consts::PI;
@@ -102,6 +102,21 @@ fn answers_and_distances_are_between_those_of_prisms_inside_and_outside() {
         }
     }
     assert!(resolved[0] > 300 && resolved[1] > 300, "{resolved:?}");
+}
+
+#[test]
+fn a_sphere_above_the_rim_of_a_flat_cone_is_apart() {
+    let shapes = [Shape::sphere(0.1).unwrap(), Shape::cone(0.0, 1.0).unwrap()];
+    for (at, due) in [(10.0, 9.9), (-10.0, 9.9), (0.3, 0.2)] {
+        let there = Pose::from_translation(DVec3::new(1.0, 0.0, at)).unwrap();
+        let a = PosedShape { shape: &shapes[0], pose: &there };
+        let b = PosedShape { shape: &shapes[1], pose: &Pose::IDENTITY };
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            let (found, _) = distance::distance_at(accuracy, a, b);
+            let DistanceResult::Apart(found) = found else { panic!("{accuracy:?} {at} {found:?}") };
+            assert!((found.distance - due).abs() <= 1e-9, "{accuracy:?} {at} {found:?}");
+        }
+    }
 }
 
 #[test]

@@ -201,7 +201,10 @@ fn beside_wedge(half_height: f64, radius: f64, seen: DVec2) -> Option<(f64, DVec
         if seen.x > radius {
             return of_corner(from_rim);
         }
-        return Some((-from_rim.y, DVec2::NEG_Y));
+        // Above the rim of a cone without height the product is 0 too.
+        if !(from_rim.y > 0.0) {
+            return Some((-from_rim.y, DVec2::NEG_Y));
+        }
     }
     if from_apex.dot(side) >= 0.0 {
         return of_corner(from_apex);

@@ -9,13 +9,15 @@ pub struct Distance {
     /// Positive and finite; 0 only below 5e-324, `f64::MAX` for all that is above it (see
     /// [`Distance::is_saturated`]).
     pub distance: f64,
-    /// A point of a nearest to b, to within the rounding of world coordinates. Where a cylinder, cone or ellipsoid nearly touches
-    /// another shape and a radius is swept round either, the two points may be farther apart than [`Distance::upper`], by some 1e-7 of
-    /// the size: radii are added along the normal.
+    /// A point of a nearest to b, to within the rounding of world coordinates; of a swept shape it may be below the surface by up
+    /// to `error_bound`. Where a cylinder, cone or ellipsoid nearly touches another shape and a radius is swept round either,
+    /// the two points may be farther apart than [`Distance::upper`], by some 1e-7 of the size: radii are added along the normal.
     pub point_a: DVec3,
     /// A point of b nearest to a.
     pub point_b: DVec3,
-    /// From a to b, of unit length but for rounding.
+    /// From a to b, of unit length but for rounding. It has no bound of its own: planes across it may leave less than
+    /// [`Distance::lower`] between the shapes, mostly of curved ones that are close; what they leave is
+    /// [`gap_along`](super::gap_along) it.
     pub normal: DVec3,
     /// The true distance is within `distance ± error_bound`. Finite; `f64::MAX` marks a distance
     /// that is known from below alone.

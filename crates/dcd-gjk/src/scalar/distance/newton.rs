@@ -8,6 +8,7 @@ use super::warm_start::warm_start;
 use crate::certificate::Bounds;
 use crate::closed::curved::{self, NearestPoints};
 use crate::closed::feature_normal::{HARDLY_APART, Tangents};
+use crate::gjk::Simplex;
 use crate::{Difference, PosedShape, Verdict, Vertex, closed};
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
 use dcd_geom::{Curved, Shape, Support};
@@ -61,13 +62,24 @@ pub(super) fn approach(
     if near.simplex.vertices().is_empty() {
         warm_start(difference, &mut near.simplex);
     }
+    let is_warm = !near.simplex.vertices().is_empty();
     if near.come_to_nearest()
         && let Some(found) = proposals.of_features(near)
     {
         *near = found;
         return Ok(());
     }
-    proposals.search_on(near)
+    proposals.search_on(near)?;
+    // Points of f32 are beside the supports of f64, and among both the search may come no nearer. From afar it does.
+    let width = |of: &Approach| of.upper - of.lower;
+    if is_warm
+        && width(near) > gap.max(OPEN)
+        && let Ok(other) = approach_from(difference, bounds, [gap, f64::MAX], Simplex::default())
+        && width(&other) < width(near)
+    {
+        *near = other;
+    }
+    Ok(())
 }
 
 /// What is proposed of a pair, and proved by its bounds.
