@@ -6,7 +6,7 @@ use super::patches::off_surface;
 use super::round_depths::shapes;
 use super::scenes::{Draw, in_both_orders};
 use super::within::found;
-use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Object, Pair, Pose, Scene, Shape, SupportMap};
 use dcd_gjk::distance::gap_along;
 use dcd_gjk::{Accuracy, Contact, Distance, PosedShape, SimdDistances};
@@ -125,5 +125,22 @@ fn both_orders_of_round_pairs_are_mirrored_and_other_pairs_change_nothing() {
             let same = all.iter().filter(|contact| chunk.contains(&contact.pair));
             assert!(some.iter().eq(same));
         }
+    }
+}
+
+#[test]
+fn a_search_that_the_lanes_lead_astray_begins_again() {
+    // A disc beside a triangle, all at whole numbers: the nearest points are inside of the one and on an edge of the other.
+    let corners = [[-2.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [2.0, 1.0, 1.0]].map(DVec3::from_array);
+    let shapes = vec![Shape::cylinder(0.0, 2.0).unwrap(), Shape::triangle(corners).unwrap()];
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    let here = Pose::from_matrix(DMat3::from_cols(-x, z, y), DVec3::ZERO).unwrap();
+    let there = Pose::from_matrix(DMat3::from_cols(z, y, -x), DVec3::new(0.0, 2.0, 4.0)).unwrap();
+    let scene = Scene::one_each(shapes, vec![here, there]).unwrap();
+    for accuracy in [Accuracy::F64, Accuracy::Certified] {
+        let all = distances(accuracy, &scene, &[Pair::new(0, 1)]);
+        let found = all[0].answer.unwrap();
+        assert!((found.distance - 1.0).abs() <= found.error_bound, "{found:?}");
+        assert!(found.error_bound < 1e-12, "{found:?}");
     }
 }
