@@ -36,20 +36,25 @@ pub(super) fn shapes(draw: &mut Draw, scale: f64) -> Vec<Shape> {
     all
 }
 
-/// Pairs 2k, 2k + 1, turned at random, alike, by quarters or by all but that: deep, concentric, coaxial, and with hardly
-/// anything in common.
-fn objects(draw: &mut Draw, shapes: &[Shape], [scale, far]: [f64; 2], count: u32) -> Vec<Object> {
-    let round = 24;
-    let mut objects = Vec::new();
-    for k in 0..count {
+/// Two shapes, the first of them round, that are turned and have a way from the one to the other.
+pub(super) struct Couple {
+    pub(super) kinds: [u32; 2],
+    pub(super) turns: [DQuat; 2],
+    pub(super) place: DVec3,
+    pub(super) way: DVec3,
+}
+
+impl Couple {
+    /// Number k: turned at random, alike, by quarters or by all but that.
+    pub(super) fn draw(draw: &mut Draw, shapes: &[Shape], far: f64, k: u32) -> Self {
+        let round = 24;
         let kind = |draw: &mut Draw, most: usize| (draw.unit().abs() * most as f64) as u32;
-        let (one, other) = (kind(draw, round), kind(draw, shapes.len()));
+        let kinds = [kind(draw, round), kind(draw, shapes.len())];
         let place = draw.vector() * far;
-        let turn = if k % 3 == 0 { DQuat::IDENTITY } else { draw.turn() };
-        let quarter = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+        let turn = if k.is_multiple_of(3) { DQuat::IDENTITY } else { draw.turn() };
         let second = match k % 7 {
             0 => turn,
-            1 => turn * quarter,
+            1 => turn * DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
             2 => turn * DQuat::from_scaled_axis(draw.vector() * 1e-7),
             _ => draw.turn(),
         };
@@ -58,25 +63,41 @@ fn objects(draw: &mut Draw, shapes: &[Shape], [scale, far]: [f64; 2], count: u32
             1 => turn * DVec3::X,
             _ => draw.vector().normalize(),
         };
+        Self { kinds, turns: [turn, second], place, way }
+    }
+
+    /// How far along the way the centres are where the two just part.
+    pub(super) fn parting(&self, shapes: &[Shape]) -> f64 {
+        let along = |side: usize, way: DVec3| {
+            let (local, shape) =
+                (self.turns[side].inverse() * way, &shapes[self.kinds[side] as usize]);
+            local.dot(shape.support(local).point) + shape.radius()
+        };
+        along(0, self.way) + along(1, -self.way)
+    }
+
+    /// Both, the centres so far apart along the way.
+    pub(super) fn objects(&self, reach: f64) -> [Object; 2] {
+        let Self { kinds, turns, place, way } = *self;
+        let at = [place, place + way * reach];
+        [0, 1].map(|side| Object::new(kinds[side], Pose::new(turns[side], at[side]).unwrap()))
+    }
+}
+
+/// Pairs 2k, 2k + 1: deep, concentric, coaxial, and with hardly anything in common.
+fn objects(draw: &mut Draw, shapes: &[Shape], [scale, far]: [f64; 2], count: u32) -> Vec<Object> {
+    let pair = |k: u32| {
+        let couple = Couple::draw(draw, shapes, far, k);
         let reach = match k % 11 {
             0 => 0.0,
             1 => 1e-9,
             // Up to where they part.
-            2..5 => {
-                let along = |side: u32, turn: DQuat, way: DVec3| {
-                    let local = turn.inverse() * way;
-                    let shape = &shapes[side as usize];
-                    local.dot(shape.support(local).point) + shape.radius()
-                };
-                let most = along(one, turn, way) + along(other, second, -way);
-                most * (1.0 - [1e-8, 1e-4, 1e-2][k as usize % 3])
-            }
+            2..5 => couple.parting(shapes) * (1.0 - [1e-8, 1e-4, 1e-2][k as usize % 3]),
             _ => 0.7 * draw.unit().abs() * scale,
         };
-        objects.push(Object::new(one, Pose::new(turn, place).unwrap()));
-        objects.push(Object::new(other, Pose::new(second, place + way * reach).unwrap()));
-    }
-    objects
+        couple.objects(reach)
+    };
+    (0..count).flat_map(pair).collect()
 }
 
 fn depths(scene: &Scene, pairs: &[Pair]) -> Vec<Contact<epa::Depth>> {

@@ -3,46 +3,23 @@
 
 use super::distances::{ACCURACIES, measured_in_both_orders};
 use super::patches::off_surface;
-use super::round_depths::shapes;
+use super::round_depths::{Couple, shapes};
 use super::scenes::{Draw, in_both_orders};
 use super::within::found;
-use dcd_geom::glam::{DMat3, DQuat, DVec3};
-use dcd_geom::{Object, Pair, Pose, Scene, Shape, SupportMap};
+use dcd_geom::glam::{DMat3, DVec3};
+use dcd_geom::{Object, Pair, Pose, Scene, Shape};
 use dcd_gjk::distance::gap_along;
 use dcd_gjk::{Accuracy, Contact, Distance, PosedShape, SimdDistances};
 use dcd_simd::Path;
 
-/// Pairs 2k, 2k + 1, turned at random, alike, by quarters or by all but that, and apart along some way: by much, little and hardly
-/// anything.
+/// Pairs 2k, 2k + 1, apart along some way: by much, little and hardly anything.
 fn objects(draw: &mut Draw, shapes: &[Shape], [scale, far]: [f64; 2], count: u32) -> Vec<Object> {
-    let round = 24;
-    let mut objects = Vec::new();
-    for k in 0..count {
-        let kind = |draw: &mut Draw, most: usize| (draw.unit().abs() * most as f64) as u32;
-        let (one, other) = (kind(draw, round), kind(draw, shapes.len()));
-        let place = draw.vector() * far;
-        let turn = if k % 3 == 0 { DQuat::IDENTITY } else { draw.turn() };
-        let second = match k % 7 {
-            0 => turn,
-            1 => turn * DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
-            2 => turn * DQuat::from_scaled_axis(draw.vector() * 1e-7),
-            _ => draw.turn(),
-        };
-        let way = match k % 5 {
-            0 => turn * DVec3::Z,
-            1 => turn * DVec3::X,
-            _ => draw.vector().normalize(),
-        };
-        let along = |side: u32, turn: DQuat, way: DVec3| {
-            let (local, shape) = (turn.inverse() * way, &shapes[side as usize]);
-            local.dot(shape.support(local).point) + shape.radius()
-        };
-        let most = along(one, turn, way) + along(other, second, -way);
+    let pair = |k: u32| {
+        let couple = Couple::draw(draw, shapes, far, k);
         let gap = [0.5 * draw.unit().abs(), 0.05, 1e-3, 1e-6][k as usize % 4] * scale;
-        objects.push(Object::new(one, Pose::new(turn, place).unwrap()));
-        objects.push(Object::new(other, Pose::new(second, place + way * (most + gap)).unwrap()));
-    }
-    objects
+        couple.objects(couple.parting(shapes) + gap)
+    };
+    (0..count).flat_map(pair).collect()
 }
 
 fn distances(accuracy: Accuracy, scene: &Scene, pairs: &[Pair]) -> Vec<Contact<Option<Distance>>> {

@@ -1,4 +1,4 @@
-//! What the search of a depth reads of an object.
+//! The points of an object that searches in f32 come to, of depths and of distances.
 
 use super::vectors::{farthest, splat, vertex};
 use crate::body::Body;
