@@ -4,7 +4,7 @@ use super::distances::are_within;
 use super::few_parts::PartContact;
 use crate::epa::Depth;
 use crate::mesh::KnownParts;
-use crate::simd::CuboidPatch;
+use crate::simd::{CoreContact, CuboidPatch};
 use crate::{Contact, ContactList, ContactsOf, Method, PairSolver, PosedShape, Verdict, certified};
 use dcd_geom::Pair;
 use dcd_simd::Path;
@@ -87,6 +87,16 @@ pub trait MeasureDepth: MeasureAt {
         &self,
         _patch: CuboidPatch<'_>,
         _sides: [PosedShape<'_>; 2],
+        (_contacts, _number): (&mut ContactsOf<Self::Answer>, usize),
+    ) -> bool {
+        false
+    }
+
+    /// The same for two shapes of which the lanes found in f32 where their cores are nearest; false, and nothing written, where more
+    /// has to be known. By default always.
+    fn measure_cores(
+        &self,
+        _contact: &CoreContact<'_>,
         (_contacts, _number): (&mut ContactsOf<Self::Answer>, usize),
     ) -> bool {
         false

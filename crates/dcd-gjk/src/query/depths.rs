@@ -5,6 +5,7 @@ use super::{Accuracy, FoundPair, MeasureAt, MeasureDepth, open_triangles, sample
 use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
 use crate::mesh::{Effort, KnownParts, OfTriangle, PartPair};
+use crate::simd::CoreContact;
 use crate::{
     Contact, Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, expanding,
     mesh, order,
@@ -141,6 +142,16 @@ impl MeasureDepth for Depths {
             contacts[pair.number].answer = pair.found.depth;
         }
         0
+    }
+
+    #[inline(always)]
+    fn measure_cores(
+        &self,
+        contact: &CoreContact<'_>,
+        (contacts, number): (&mut Vec<Contact<Depth>>, usize),
+    ) -> bool {
+        contacts[number].answer = contact.depth;
+        true
     }
 
     fn measure_parts(

@@ -133,8 +133,8 @@ impl StraightPairs {
             self.set_end(1, lane, (frames.b, packet.b.0[lane]));
         }
         let [a, b] = [V3::load(l, &self.ends[0]), V3::load(l, &self.ends[1])];
-        let (w, beyond) = nearest_of_two(l, packet.vector(l, Vector::C), [a, b]);
-        resolve(l, packet, w.dot(l, w), beyond)
+        let NearestOfTwo { w, past, .. } = NearestOfTwo::of(l, packet.vector(l, Vector::C), [a, b]);
+        resolve(l, packet, w.dot(l, w), past)
     }
 
     /// A segment and a cuboid.
@@ -153,36 +153,41 @@ impl StraightPairs {
             self.sense.0[lane] = if is_first { -1.0 } else { 1.0 };
             self.set_end(0, lane, other);
         }
-        let [ax, ay, az, bx, by, bz, cx, cy, cz, ox, oy, oz, ix, iy, iz, _] =
-            l.transpose(&self.cuboids);
-        let edges = [V3(ax, ay, az), V3(bx, by, bz), V3(cx, cy, cz)];
         let (c, sense) = (packet.vector(l, Vector::C), l.load(&self.sense));
         let middle = V3(l.mul(c.0, sense), l.mul(c.1, sense), l.mul(c.2, sense));
-        let end = V3::load(l, &self.ends[0]);
-        let half = [mean(l, ox, ix), mean(l, oy, iy), mean(l, oz, iz)];
-        let segment = InFrame { from: seen(l, edges, middle), along: seen(l, edges, end), half };
-        let (squared, beyond) = segment.nearest(l);
-        resolve(l, packet, squared, beyond)
+        let segment = InFrame::of(l, &self.cuboids, middle, V3::load(l, &self.ends[0]));
+        let NearestInFrame { away, past, .. } = segment.nearest(l);
+        resolve(l, packet, dot(l, away, away), past)
     }
 }
 
-/// The difference of the nearest points of two segments, and how far past them, times its length, ends reach along it.
-///
-/// With c from b's middle to a's and their ends a and b from there, at s and t in [−1, 1]: c + s·a − t·b.
-#[inline(always)]
-fn nearest_of_two<L: Lanes>(l: L, c: V3<L>, [a, b]: [V3<L>; 2]) -> (V3<L>, L::F) {
-    let (aa, bb, ab) = (a.dot(l, a), b.dot(l, b), a.dot(l, b));
-    let (ac, bc) = (a.dot(l, c), b.dot(l, c));
-    let determinant = l.sub(l.mul(aa, bb), l.mul(ab, ab));
-    let mut s = share(l, l.sub(l.mul(ab, bc), l.mul(bb, ac)), determinant);
-    let mut t = share(l, l.mul_add(ab, s, bc), bb);
-    // From there each to its nearest of the other: the ends, where one of them is there, and what rounding left.
-    s = share(l, l.sub(l.mul(ab, t), ac), aa);
-    t = share(l, l.mul_add(ab, s, bc), bb);
-    let w = c.plus(l, s, a).plus(l, l.neg(t), b);
-    let past_a = past_end(l, s, w.dot(l, a));
-    let past_b = past_end(l, l.neg(t), w.dot(l, b));
-    (w, l.add(past_a, past_b))
+/// The nearest points of two segments, at s and t in [−1, 1] from their middles to their ends.
+pub(super) struct NearestOfTwo<L: Lanes> {
+    pub(super) s: L::F,
+    pub(super) t: L::F,
+    /// From b's point to a's.
+    pub(super) w: V3<L>,
+    /// How far past the points ends reach along w, times its length.
+    pub(super) past: L::F,
+}
+
+impl<L: Lanes> NearestOfTwo<L> {
+    /// With c from b's middle to a's and their ends a and b from there: w is c + s·a − t·b.
+    #[inline(always)]
+    pub(super) fn of(l: L, c: V3<L>, [a, b]: [V3<L>; 2]) -> Self {
+        let (aa, bb, ab) = (a.dot(l, a), b.dot(l, b), a.dot(l, b));
+        let (ac, bc) = (a.dot(l, c), b.dot(l, c));
+        let determinant = l.sub(l.mul(aa, bb), l.mul(ab, ab));
+        let mut s = share(l, l.sub(l.mul(ab, bc), l.mul(bb, ac)), determinant);
+        let mut t = share(l, l.mul_add(ab, s, bc), bb);
+        // From there each to its nearest of the other: the ends, where one of them is there, and what rounding left.
+        s = share(l, l.sub(l.mul(ab, t), ac), aa);
+        t = share(l, l.mul_add(ab, s, bc), bb);
+        let w = c.plus(l, s, a).plus(l, l.neg(t), b);
+        let past_a = past_end(l, s, w.dot(l, a));
+        let past_b = past_end(l, l.neg(t), w.dot(l, b));
+        Self { s, t, w, past: l.add(past_a, past_b) }
+    }
 }
 
 /// The quotient, from −1 to 1; 0 where the divisor is not above 0.
@@ -201,14 +206,32 @@ fn past_end<L: Lanes>(l: L, t: L::F, rise: L::F) -> L::F {
     l.max(l.mul(l.add(t, one), rise), l.mul(l.sub(t, one), rise))
 }
 
+/// The place t in [−1, 1] of a segment that is nearest to a cuboid, in the cuboid's frame.
+pub(super) struct NearestInFrame<L: Lanes> {
+    pub(super) t: L::F,
+    /// From the cuboid to the place.
+    pub(super) away: [L::F; 3],
+    /// How far past the place an end reaches along their difference, times its length.
+    pub(super) past: L::F,
+}
+
 /// A segment in a cuboid's frame: from its middle to an end, and the cuboid's half edges.
-struct InFrame<L: Lanes> {
+pub(super) struct InFrame<L: Lanes> {
     from: [L::F; 3],
     along: [L::F; 3],
     half: [L::F; 3],
 }
 
 impl<L: Lanes> InFrame<L> {
+    /// Of a segment from its middle, which is seen from the cuboid's centre, to its end.
+    #[inline(always)]
+    pub(super) fn of(l: L, cuboids: &[Row; WIDTH], middle: V3<L>, end: V3<L>) -> Self {
+        let [ax, ay, az, bx, by, bz, cx, cy, cz, ox, oy, oz, ix, iy, iz, _] = l.transpose(cuboids);
+        let edges = [V3(ax, ay, az), V3(bx, by, bz), V3(cx, cy, cz)];
+        let half = [mean(l, ox, ix), mean(l, oy, iy), mean(l, oz, iz)];
+        Self { from: seen(l, edges, middle), along: seen(l, edges, end), half }
+    }
+
     /// From the cuboid to the point at t.
     #[inline(always)]
     fn away(&self, l: L, t: L::F) -> [L::F; 3] {
@@ -221,13 +244,10 @@ impl<L: Lanes> InFrame<L> {
         away
     }
 
-    /// The squared distance of the nearest points, and how far past the segment's, times its length, an end reaches
-    /// along their difference.
-    ///
     /// The derivative of half the squared distance is linear between the planes of the cuboid, and never falls: Newton's
     /// method between what brackets its root.
     #[inline(always)]
-    fn nearest(&self, l: L) -> (L::F, L::F) {
+    pub(super) fn nearest(&self, l: L) -> NearestInFrame<L> {
         let along = self.along;
         let (zero, one, half) = (l.splat(0.0), l.splat(1.0), l.splat(0.5));
         let at_low = dot(l, self.away(l, l.neg(one)), along);
@@ -254,7 +274,7 @@ impl<L: Lanes> InFrame<L> {
             t = l.select(is_between, next, l.mul(l.add(low, high), half));
         }
         let away = self.away(l, t);
-        (dot(l, away, away), past_end(l, t, dot(l, away, along)))
+        NearestInFrame { t, away, past: past_end(l, t, dot(l, away, along)) }
     }
 }
 

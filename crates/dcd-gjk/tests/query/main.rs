@@ -1,6 +1,7 @@
 //! Queries beyond yes or no.
 
 mod both_orders;
+mod core_contacts;
 mod crowds;
 mod degenerate;
 mod depths;

@@ -85,7 +85,12 @@ impl Couple {
 }
 
 /// Pairs 2k, 2k + 1: deep, concentric, coaxial, and with hardly anything in common.
-fn objects(draw: &mut Draw, shapes: &[Shape], [scale, far]: [f64; 2], count: u32) -> Vec<Object> {
+pub(super) fn objects(
+    draw: &mut Draw,
+    shapes: &[Shape],
+    [scale, far]: [f64; 2],
+    count: u32,
+) -> Vec<Object> {
     let pair = |k: u32| {
         let couple = Couple::draw(draw, shapes, far, k);
         let reach = match k % 11 {

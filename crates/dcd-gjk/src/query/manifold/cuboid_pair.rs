@@ -147,7 +147,7 @@ impl Seen<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::corners::Corners;
-    use super::super::cuboids::tests::Draw;
+    use super::super::cuboid_faces::tests::Draw;
     use super::super::{Manifold, write_in_order};
     use super::*;
     use crate::{Accuracy, Depths, Verdict, query::MeasureAt};

@@ -2,7 +2,7 @@
 
 use super::feature_code::FeatureCode;
 use super::patch_writer::{PatchWriter, Point};
-use super::{Feature, cuboids};
+use super::{Feature, cuboid_faces};
 use crate::PosedShape;
 use crate::epa::Depth;
 use crate::simd::{CuboidPatch, PatchPoint, Shown, ShownKind};
@@ -150,7 +150,7 @@ fn whole(shown: Shown, side: PosedShape<'_>) -> Option<FeatureCode> {
         ShownKind::Edge => FeatureCode::edge(corner & !(1 << axis), corner | 1 << axis),
         ShownKind::Face => {
             let is_forward = corner >> axis & 1 == 1;
-            let number = cuboids::number_in(case, axis as usize, is_forward);
+            let number = cuboid_faces::number_in(case, axis as usize, is_forward);
             Feature::Face(number.or_else(|| face(side, axis as usize, is_forward))?).into()
         }
     })
@@ -161,7 +161,7 @@ fn whole(shown: Shown, side: PosedShape<'_>) -> Option<FeatureCode> {
 fn face(side: PosedShape<'_>, axis: usize, is_forward: bool) -> Option<u32> {
     let polytope = side.shape.as_polytope()?;
     let Kind::Cuboid { half_extents: half } = polytope.kind() else { return None };
-    cuboids::face_number(polytope, half.to_array(), axis, is_forward)
+    cuboid_faces::face_number(polytope, half.to_array(), axis, is_forward)
 }
 
 /// The corners of a face that clips and of what it clips, by their numbers.

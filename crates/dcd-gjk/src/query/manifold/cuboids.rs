@@ -5,6 +5,7 @@
 use super::CROSSING;
 use super::Feature;
 use super::clip::Corner;
+use super::cuboid_faces::face_number;
 use super::cuboid_polygon::{Line, Point, Points, features};
 use super::facing::{FACING, LEVEL, edge};
 use super::feature::View;
@@ -40,10 +41,53 @@ struct Side<'a> {
 
 /// What a box shows: the axis that its face is normal to, that its edge is along, or its farthest corner.
 #[derive(Clone, Copy, PartialEq)]
-enum Seen {
+pub(super) enum Seen {
     Face(usize),
     Edge(usize),
     Vertex,
+}
+
+impl Seen {
+    /// What a box shows along a unit direction of its own frame.
+    #[inline(always)]
+    pub(super) fn towards(direction: [f64; 3]) -> Self {
+        let [x, y, z] = direction;
+        let along = [x.abs(), y.abs(), z.abs()];
+        let (mut most, mut least) = (0, 0);
+        for k in 1..3 {
+            most = if along[k] > along[most] { k } else { most };
+            least = if along[k] < along[least] { k } else { least };
+        }
+        if along[most] > FACING {
+            Seen::Face(most)
+        } else if along[least] < LEVEL {
+            Seen::Edge(least)
+        } else {
+            Seen::Vertex
+        }
+    }
+
+    /// Its name, given the number of the face that is normal to an axis.
+    #[inline(always)]
+    pub(super) fn feature(
+        self,
+        towards: [f64; 3],
+        face: impl FnOnce(usize) -> Option<u32>,
+    ) -> Option<Feature> {
+        let corner = farthest(towards);
+        Some(match self {
+            Self::Vertex => Feature::Vertex(corner),
+            Self::Edge(k) => edge(corner & !(1 << k), corner | 1 << k),
+            Self::Face(k) => Feature::Face(face(k)?),
+        })
+    }
+}
+
+/// The number of the farthest corner along a direction: a bit for each axis.
+#[inline(always)]
+fn farthest(direction: [f64; 3]) -> u32 {
+    let bit = |k: usize| u32::from(direction[k] >= 0.0) << k;
+    bit(0) | bit(1) | bit(2)
 }
 
 /// What two boxes show each other, and the face that clips if one of them shows a face.
@@ -171,21 +215,9 @@ impl<'a> Side<'a> {
         Some(Self { polytope, half: half.to_array(), rotation, place, towards })
     }
 
+    #[inline(always)]
     fn seen(&self) -> Seen {
-        let [x, y, z] = self.towards;
-        let along = [x.abs(), y.abs(), z.abs()];
-        let (mut most, mut least) = (0, 0);
-        for k in 1..3 {
-            most = if along[k] > along[most] { k } else { most };
-            least = if along[k] < along[least] { k } else { least };
-        }
-        if along[most] > FACING {
-            Seen::Face(most)
-        } else if along[least] < LEVEL {
-            Seen::Edge(least)
-        } else {
-            Seen::Vertex
-        }
+        Seen::towards(self.towards)
     }
 
     /// The cosine of the angle by which what is seen leans; 0 for a vertex.
@@ -197,20 +229,9 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// The number of the farthest corner: a bit for each axis.
-    fn farthest(&self) -> u32 {
-        let bit = |k: usize| u32::from(self.towards[k] >= 0.0) << k;
-        bit(0) | bit(1) | bit(2)
-    }
-
     /// `None` for a face that is not one of six.
     fn feature(&self, seen: Seen) -> Option<Feature> {
-        let corner = self.farthest();
-        Some(match seen {
-            Seen::Vertex => Feature::Vertex(corner),
-            Seen::Edge(k) => edge(corner & !(1 << k), corner | 1 << k),
-            Seen::Face(k) => Feature::Face(self.face(k)?),
-        })
+        seen.feature(self.towards, |k| self.face(k))
     }
 
     /// The number of the face that is normal to axis `k`: its index into [`dcd_geom::Facets`].
@@ -223,101 +244,6 @@ impl<'a> Side<'a> {
     fn corner(&self, number: u32) -> [f64; 3] {
         let signed = |k: usize| if number >> k & 1 == 1 { self.half[k] } else { -self.half[k] };
         [signed(0), signed(1), signed(2)]
-    }
-}
-
-/// The number of a box's face along axis `k` or against it: its index into [`dcd_geom::Facets`]. `None` where it is not
-/// one of six.
-#[inline(always)]
-pub(super) fn face_number(
-    polytope: &Polytope,
-    half: [f64; 3],
-    k: usize,
-    is_forward: bool,
-) -> Option<u32> {
-    case_of(half)
-        .and_then(|case| number_in(case, k, is_forward))
-        .or_else(|| listed_number(polytope, k, is_forward))
-}
-
-/// The same where it is known how the half edges compare: see [`case_of`]. `None` of a larger number.
-#[inline(always)]
-pub(super) fn number_in(case: u32, k: usize, is_forward: bool) -> Option<u32> {
-    let numbers = NUMBERS.get(case as usize)?;
-    Some(numbers[(2 * k + usize::from(is_forward)) % 8].into())
-}
-
-/// The same from the list of the faces.
-#[cold]
-fn listed_number(polytope: &Polytope, k: usize, is_forward: bool) -> Option<u32> {
-    let facets = polytope.facets().facets();
-    let sense = if is_forward { 1.0 } else { -1.0 };
-    let found = (0u32..).zip(facets).find(|(_, facet)| facet.normal[k] * sense > FACING);
-    Some(found?.0)
-}
-
-/// How far apart, relative to the largest, half edges must be for the order of the faces to be known, if they are not
-/// equal; and the least half edge, relative to the largest.
-const DISTINCT: [f64; 2] = [1e-6, 1e-3];
-
-/// The largest half edges of boxes whose faces' order is known: squared areas stay clear of under- and overflow.
-const SIZES: std::ops::Range<f64> = 1e-60..1e60;
-
-/// How the half edges of a box compare, as the digits of [`NUMBERS`]: the order of its faces hangs on nothing else, which
-/// saves a search for the hull. `None` where rounding could play a part.
-#[inline(always)]
-pub(crate) fn case_of([x, y, z]: [f64; 3]) -> Option<u32> {
-    let larger = |v: f64, w: f64| if v > w { v } else { w };
-    let smaller = |v: f64, w: f64| if v < w { v } else { w };
-    let (most, least) = (larger(larger(x, y), z), smaller(smaller(x, y), z));
-    let [apart, thin] = DISTINCT;
-    let is_sure = |v: f64, w: f64| (v == w) | ((v - w).abs() > apart * most);
-    // False for NaN.
-    let is_known = SIZES.contains(&most) & (least > thin * most);
-    if !(is_known & is_sure(x, y) & is_sure(x, z) & is_sure(y, z)) {
-        return None;
-    }
-    let digit = |v: f64, w: f64| 1 + u32::from(v > w) - u32::from(v < w);
-    Some(9 * digit(x, y) + 3 * digit(x, z) + digit(y, z))
-}
-
-/// The numbers of the faces against the first axis, along it, against the second, and so on; eight of six, so that no index
-/// is too large. By how the half edges compare: x with y, x with z, y with z; 0 for less, 1 for equal, 2 for greater, as three
-/// digits.
-static NUMBERS: [[u8; 8]; 27] = {
-    let mut numbers = [[0; 8]; 27];
-    let mut case = 0;
-    while case < 27 {
-        let order = order_of([case / 9, case / 3 % 3, case % 3]);
-        let mut number = 0;
-        while number < 6 {
-            let name = order[number];
-            let axis = name.to_ascii_lowercase() - b'x';
-            numbers[case][(2 * axis + name.is_ascii_uppercase() as u8) as usize] = number as u8;
-            number += 1;
-        }
-        case += 1;
-    }
-    numbers
-};
-
-/// The order in which [`dcd_geom::Facets`] has the six faces: x is that against the first axis, X that along it. Of numbers that
-/// cannot compare so, any.
-const fn order_of(compared: [usize; 3]) -> &'static [u8; 6] {
-    match compared {
-        [0, 0, 0] => b"XxYyzZ",
-        [0, 0, 1] => b"xXYzyZ",
-        [0, 0, 2] => b"xXzZYy",
-        [0, 1, 2] => b"xzXZYy",
-        [0, 2, 2] => b"zZxXYy",
-        [1, 0, 0] => b"YXyxzZ",
-        [1, 1, 1] => b"XyzYxZ",
-        [1, 2, 2] => b"zZXyYx",
-        [2, 0, 0] => b"YyXxzZ",
-        [2, 1, 0] => b"yYXzxZ",
-        [2, 2, 0] => b"yYzZXx",
-        [2, 2, 1] => b"yzYZXx",
-        _ => b"zZyYXx",
     }
 }
 
@@ -357,7 +283,7 @@ impl<'a> Clipping<'a> {
 
     /// What is clipped: the corners of a face, or the ends of an edge.
     fn points(&self, seen: Seen, points: &mut Points) {
-        let farthest = self.clipped.farthest();
+        let farthest = farthest(self.clipped.towards);
         points.clear();
         let base = self.seen_from_face(self.middle_of(seen, farthest), self.plane);
         let edge = |k: usize| {
@@ -429,63 +355,5 @@ impl<'a> Clipping<'a> {
             points.cut(|point| half + point.at[side], line(facing))?;
         }
         points.cut(|point| point.depth + radius, Line::Surface)
-    }
-}
-
-#[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-
-    /// Repeatable numbers from 0 to 1.
-    pub(in super::super) struct Draw(pub(in super::super) u64);
-
-    impl Draw {
-        pub(in super::super) fn unit(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_041);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64
-        }
-
-        fn below(&mut self, count: usize) -> usize {
-            (self.unit() * count as f64) as usize
-        }
-    }
-
-    /// Half edges that are equal, nearly equal or apart, thin or not, from tiny to huge.
-    fn half_edges(draw: &mut Draw) -> [f64; 3] {
-        let mut half = [(); 3].map(|()| 0.1 + draw.unit());
-        let near = [1.0, 1.0 + 1e-15, 1.0 - 1e-9, 1.0 + 1.1e-6, 1.0 + 1e-4][draw.below(5)];
-        let (j, k) = (draw.below(3), draw.below(3));
-        match draw.below(4) {
-            0 => half[j] = half[k] * near,
-            1 => half = [half[0]; 3],
-            _ => {}
-        }
-        half[draw.below(3)] *= [1.0, 1.0, 1e-2, 2e-3, 1e-5][draw.below(5)];
-        half[draw.below(3)] *= [1.0, 1.0, 1e-2][draw.below(3)];
-        let size = [1.0, 1e-5, 1e6, 1e-59, 1e58][draw.below(5)];
-        half.map(|x| x * size)
-    }
-
-    #[test]
-    fn faces_have_the_numbers_of_the_facets_of_the_hull() {
-        let (mut draw, mut known) = (Draw(81), [0; 2]);
-        for _ in 0..20_000 {
-            let half = half_edges(&mut draw);
-            let Some(case) = case_of(half) else {
-                known[0] += 1;
-                continue;
-            };
-            known[1] += 1;
-            let cuboid = Polytope::cuboid(DVec3::from_array(half)).unwrap();
-            let facets = cuboid.facets().facets();
-            assert_eq!(facets.len(), 6, "{half:?}");
-            for (k, is_forward) in (0..6).map(|k| (k / 2, k % 2 == 1)) {
-                let sense = if is_forward { 1.0 } else { -1.0 };
-                let number = number_in(case, k, is_forward).unwrap();
-                let normal = facets[number as usize].normal;
-                assert!(normal[k] * sense > 0.99, "{half:?} {facets:?} {k} {number}");
-            }
-        }
-        assert!(known.into_iter().all(|count| count > 2000), "{known:?}");
     }
 }

@@ -166,9 +166,15 @@ impl View {
 
 /// Whether two edges, world axes, surely cross as they are seen along a normal.
 pub(super) fn surely_cross(normal: DVec3, e: DVec3, f: DVec3) -> bool {
+    cross_by(CROSSING, normal, [e, f])
+}
+
+/// The same, where the sine between them is above that.
+#[inline(always)]
+pub(super) fn cross_by(sine: f64, normal: DVec3, [e, f]: [DVec3; 2]) -> bool {
     // Seen from the normal they are no longer than they are. False for NaN.
     let square = normal.dot(e.cross(f));
-    square * square > CROSSING * CROSSING * e.length_squared() * f.length_squared()
+    square * square > sine * sine * e.length_squared() * f.length_squared()
 }
 
 impl Points {

@@ -295,7 +295,7 @@ impl PlacedCorners<'_> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::super::corners::Corners;
-    use super::super::cuboids::tests::Draw;
+    use super::super::cuboid_faces::tests::Draw;
     use super::super::{Manifold, ManifoldPoint, write_in_order};
     use super::*;
     use crate::{Accuracy, Depths, Verdict, query::MeasureAt};

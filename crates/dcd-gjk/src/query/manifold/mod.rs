@@ -11,7 +11,9 @@ mod alone;
 mod bounds;
 mod clip;
 mod contacts;
+mod core_contact;
 mod corners;
+mod cuboid_faces;
 mod cuboid_pair;
 mod cuboid_patch;
 mod cuboid_polygon;
@@ -40,14 +42,14 @@ mod upright;
 use super::{Accuracy, FoundDepth, FoundPair, MeasureAt, MeasureDepth, PartContact};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, KnownParts, PartIndex};
-use crate::simd::CuboidPatch;
+use crate::simd::{CoreContact, CuboidPatch};
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
 use alone::Known;
 use bounds::{bound_of, bound_of_witnesses, turned_by};
 pub use contacts::ManifoldContacts;
 use corners::Corners;
+pub(crate) use cuboid_faces::case_of;
 pub(super) use cuboid_patch::depth_of_patch;
-pub(crate) use cuboids::case_of;
 use dcd_geom::Pair;
 use dcd_geom::glam::DVec3;
 use dcd_simd::{ArrayVec, Path, dispatch_on};
@@ -293,6 +295,19 @@ impl MeasureDepth for Manifolds {
         (contacts, number): (&mut ManifoldContacts, usize),
     ) -> bool {
         let is_written = cuboid_patch::write(patch, sides, contacts.writer());
+        if is_written {
+            contacts.keep_last(number);
+        }
+        is_written
+    }
+
+    #[inline(always)]
+    fn measure_cores(
+        &self,
+        contact: &CoreContact<'_>,
+        (contacts, number): (&mut ManifoldContacts, usize),
+    ) -> bool {
+        let is_written = core_contact::write(contact, contacts.writer()).is_some();
         if is_written {
             contacts.keep_last(number);
         }

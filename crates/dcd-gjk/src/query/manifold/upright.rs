@@ -3,7 +3,8 @@
 //!
 //! The features are those of boxes that are turned: these are found by clipping one face with the other.
 
-use super::cuboids::{face_number, is_solid};
+use super::cuboid_faces::face_number;
+use super::cuboids::is_solid;
 use super::feature_code::FeatureCode;
 use super::patch_writer::{PatchWriter, Point};
 use super::{Feature, bound_of, clip::APART};

@@ -75,7 +75,7 @@ impl CuboidPairs {
 
 /// Whether b comes first by the centres.
 #[inline(always)]
-fn is_behind(a: &Record, b: &Record) -> bool {
+pub(super) fn is_behind(a: &Record, b: &Record) -> bool {
     let ([x, y, z, _], [u, v, w, _]) = (a.centre, b.centre);
     (u < x) | ((u == x) & ((v < y) | ((v == y) & (w < z))))
 }

@@ -2,6 +2,7 @@
 
 use super::super::CuboidPatch;
 use super::super::scene_pairs::ScenePairs;
+use super::straight::CoreContact;
 use crate::epa::Depth;
 use crate::query::{FoundDepth, FoundPair, MeasureDepth};
 use crate::{ContactList, ContactsOf, PosedShape, Verdict};
@@ -62,6 +63,19 @@ impl<S: MeasureDepth> Answers<'_, S> {
     ) -> bool {
         let Contacts { solver, contacts, first, .. } = &mut self.to;
         solver.measure_cuboids(patch, sides, (contacts, *first + number as usize))
+    }
+
+    /// Writes the answer of two shapes whose cores are known to be nearest there; what is not known is left to the solver.
+    #[inline(always)]
+    pub(super) fn write_contact(&mut self, number: u32, found: Option<CoreContact<'_>>) {
+        let Contacts { solver, contacts, first, left, .. } = &mut self.to;
+        let is_written = match &found {
+            Some(found) => solver.measure_cores(found, (contacts, *first + number as usize)),
+            None => false,
+        };
+        if !is_written {
+            left.push(number);
+        }
     }
 
     /// Writes the answers that wait. Needed behind the last pair.

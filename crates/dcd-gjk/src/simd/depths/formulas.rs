@@ -7,6 +7,7 @@ use super::super::scene_pairs::ScenePairs;
 use super::super::spheres::{MeasureSpheres, Near, NearPair};
 use super::apart::ApartCores;
 use super::searched::{Searched, are_cores_apart, are_whole, may_be_searched};
+use super::straight::StraightPairs;
 use super::{Answers, SimdDepths};
 use crate::closed;
 use crate::query::MeasureDepth;
@@ -21,6 +22,7 @@ pub(super) struct Sort<'a, 'b, S: MeasureDepth> {
     pub(super) accuracy: Accuracy,
     pub(super) of_cuboids: &'a mut of_cuboids::Scratch,
     pub(super) cuboids: &'a mut Vec<u32>,
+    pub(super) straight: &'a mut StraightPairs,
     pub(super) searched: &'a mut Searched,
     pub(super) apart: &'a mut ApartCores,
     pub(super) answers: &'a mut Answers<'b, S>,
@@ -31,7 +33,8 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
-        let Self { objects, accuracy, of_cuboids, cuboids, searched, apart, answers } = self;
+        let Self { objects, accuracy, of_cuboids, cuboids, straight, searched, apart, answers } =
+            self;
         let ScenePairs { frames, pairs, .. } = objects;
         let sharp = closed::sharp_of(accuracy);
         cuboids.clear();
@@ -54,7 +57,9 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
                 cuboids.push(number);
                 of_cuboids.pairs.push(pair);
             } else if !may_be_searched(frames, pair, accuracy) {
-                answers.to.left.push(number);
+                if !(accuracy == Accuracy::F32 && straight.push(frames, (number, pair))) {
+                    answers.to.left.push(number);
+                }
             } else if are_cores_apart(frames, pair) {
                 // Of a hull inside the core the lanes know no distance.
                 let apart =

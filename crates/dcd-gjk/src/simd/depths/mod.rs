@@ -16,10 +16,13 @@ mod search;
 mod search_pairs;
 mod searched;
 mod start;
+mod straight;
 mod surface;
 mod vectors;
 
 pub(super) use points::Points;
+pub use straight::CoreContact;
+pub(crate) use straight::NearCore;
 pub(super) use vectors::vertex;
 
 use super::closed::{depths as of_cuboids, patches};
@@ -49,6 +52,7 @@ use proposed::{Proposal, Propose};
 use search_pairs::{SEATS, SearchPairs};
 use searched::Searched;
 use start::Starts;
+use straight::StraightPairs;
 use surface::Surface;
 
 /// How deep the touching pairs overlap, and what a solver makes of it: [`Depths`] or
@@ -132,6 +136,7 @@ struct TouchingScratch {
     patches: patches::Scratch,
     /// The numbers of the pairs of cuboids that are not yet answered, in the order of those that `of_cuboids` looks at.
     cuboids: Vec<u32>,
+    straight: StraightPairs,
     searched: Searched,
     apart: ApartCores,
     proposals: Vec<Option<Proposal>>,
@@ -153,6 +158,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
             of_cuboids,
             patches,
             cuboids,
+            straight,
             searched,
             apart,
             proposals,
@@ -160,8 +166,11 @@ impl<S: MeasureDepth> SimdDepths<S> {
             support_scratch,
         } = scratch;
         let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
-        let sort = Sort { objects, accuracy, of_cuboids, cuboids, searched, apart, answers };
-        dispatch_on(self.path, sort);
+        straight.begin();
+        let lists =
+            Sort { objects, accuracy, of_cuboids, cuboids, straight, searched, apart, answers };
+        dispatch_on(self.path, lists);
+        straight.answer(answers);
         if S::READS_PATCHES && accuracy == Accuracy::F32 {
             patches::find(self.path, frames, &of_cuboids.pairs, patches);
             let patches = &*patches;

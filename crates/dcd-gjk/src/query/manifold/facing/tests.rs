@@ -42,7 +42,7 @@ fn a_triangle_shows_what_its_list_of_faces_has() {
 
 #[test]
 fn segments_and_boxes_show_what_their_lists_of_faces_have() {
-    let mut draw = cuboids::tests::Draw(5);
+    let mut draw = super::super::cuboid_faces::tests::Draw(5);
     let mut vector = || DVec3::from_array([(); 3].map(|()| 2.0 * draw.unit() - 1.0));
     let mut counts = [0; 3];
     for round in 0..3000 {
@@ -69,7 +69,7 @@ fn segments_and_boxes_show_what_their_lists_of_faces_have() {
 
 #[test]
 fn a_hull_shows_round_an_edge_or_a_face_what_all_its_farthest_vertices_have() {
-    let mut draw = cuboids::tests::Draw(7);
+    let mut draw = super::super::cuboid_faces::tests::Draw(7);
     let mut number = || 2.0 * draw.unit() - 1.0;
     let (mut counts, mut level) = ([0; 2], 0);
     for round in 0..300 {

@@ -1,5 +1,5 @@
 use super::super::corners::Corners;
-use super::super::cuboids::tests::Draw;
+use super::super::cuboid_faces::tests::Draw;
 use super::super::hull_pair::{
     self,
     tests::{shape, turn, vector},

@@ -1,7 +1,7 @@
 //! The general way is the other method: it clips what both show, in the world.
 
 use super::super::corners::Corners;
-use super::super::cuboids::tests::Draw;
+use super::super::cuboid_faces::tests::Draw;
 use super::super::write_by_corners;
 use super::*;
 use crate::closed::level::gap_and_lowest;

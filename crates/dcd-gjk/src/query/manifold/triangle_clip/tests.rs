@@ -1,7 +1,7 @@
 //! The general clip is the other method: it shares the view and the parts that are shown, and none of the clipping.
 
 use super::super::clip::{Patch, drop_doubles};
-use super::super::cuboids::tests::Draw;
+use super::super::cuboid_faces::tests::Draw;
 use super::*;
 use dcd_geom::SupportMap;
 use dcd_geom::glam::{DMat3, DQuat};
