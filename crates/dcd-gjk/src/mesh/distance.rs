@@ -7,9 +7,11 @@ use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
 use super::{Scratch, in_order};
 use crate::Method;
-use crate::distance::{Distance, DistanceResult, distance_at as of_convex, gap_along, in_f64};
+use crate::distance::{
+    Distance, DistanceResult, distance_at as of_convex, gap_along, in_f64, of_apart,
+};
 use crate::query::{Accuracy, may_be_nearest};
-use crate::{PosedShape, Reason, closed};
+use crate::{PosedShape, PosedSupport, Reason, closed};
 use dcd_simd::{Kernel, Lanes, Row, WIDTH, dispatch};
 use std::cmp::Ordering;
 
@@ -101,41 +103,57 @@ pub(crate) fn nearer_than(
     let in_order = if swapped { [b, a] } else { [a, b] };
     let (a, b) = (&first, &second);
     let mut best = Best::at(accuracy);
+    let alone = |parts| NearParts { parts, start: None };
     if let Some(parts) = lowest_parts([a, b]).or_else(|| may_be_nearest(in_order)) {
-        best.measure_all([a, b], parts);
+        best.measure_all([a, b], parts.into_iter().map(alone));
     } else if let Some(relative) = RelativePose::of(a, b) {
         match nearest_parts([a, b], &relative, scratch, far) {
             Some(Left::Touching) => best.touching = true,
             Some(Left::Near(parts)) if parts.is_empty() => return (Limited::Beyond, Method::F64),
             Some(Left::Near(parts)) => {
                 best.is_sifted = true;
-                best.measure_all([a, b], parts);
+                best.measure_all([a, b], parts.into_iter().map(alone));
             }
             None => best = dispatch(NearestParts { a, b, relative: &relative, scratch, best }),
         }
     } else {
         let of_a = |part_a| (0..b.count()).map(move |part_b| [part_a, part_b]);
-        best.measure_all([a, b], (0..a.count()).flat_map(of_a));
+        best.measure_all([a, b], (0..a.count()).flat_map(of_a).map(alone));
     }
     let (result, method) = best.answer();
     (Limited::Known(if swapped { result.mirrored() } else { result }), method)
 }
 
-/// The distance of two shapes that is that of one of these pairs of parts, by index, measured at an accuracy.
+/// Two parts by index, and vertices of each between which their nearest points are thought to be, where these are known: any are
+/// sound, good ones quick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NearParts {
+    pub(crate) parts: [u32; 2],
+    pub(crate) start: Option<[[u32; 2]; 3]>,
+}
+
+impl NearParts {
+    fn mirrored(self) -> Self {
+        let swapped = |[a, b]: [u32; 2]| [b, a];
+        Self { parts: swapped(self.parts), start: self.start.map(|start| start.map(swapped)) }
+    }
+}
+
+/// The distance of two shapes that are apart, and that is that of one of these pairs of parts, measured at an accuracy.
 ///
 /// (a, b) and (b, a) give the same bits, mirrored, for the same pairs.
 pub(crate) fn distance_of_nearest(
     accuracy: Accuracy,
     [a, b]: [PosedShape<'_>; 2],
-    parts: &mut [[u32; 2]],
+    pairs: &mut [NearParts],
 ) -> DistanceResult {
     let ([first, second], swapped) = in_order(a, b);
     if swapped {
-        parts.iter_mut().for_each(|pair| pair.swap(0, 1));
+        pairs.iter_mut().for_each(|pair| *pair = pair.mirrored());
     }
-    parts.sort_unstable();
+    pairs.sort_unstable_by_key(|pair| pair.parts);
     let mut best = Best::at(accuracy);
-    best.measure_all([&first, &second], parts.iter().copied());
+    best.measure_all([&first, &second], pairs.iter().copied());
     let (result, _) = best.answer();
     if swapped { result.mirrored() } else { result }
 }
@@ -192,15 +210,16 @@ impl Best {
     }
 
     /// Measures pairs of parts until two touch.
-    fn measure_all(&mut self, sides: [&Side<'_>; 2], pairs: impl IntoIterator<Item = [u32; 2]>) {
-        for parts in pairs {
-            if self.measure(sides, parts) == Known::All {
+    fn measure_all(&mut self, sides: [&Side<'_>; 2], pairs: impl IntoIterator<Item = NearParts>) {
+        for pair in pairs {
+            if self.measure(sides, pair) == Known::All {
                 break;
             }
         }
     }
 
-    fn measure(&mut self, [a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Known {
+    fn measure(&mut self, [a, b]: [&Side<'_>; 2], pair: NearParts) -> Known {
+        let [part_a, part_b] = pair.parts;
         let (Some(in_a), Some(in_b)) =
             (pair::to_shape(a.part(part_a)), pair::to_shape(b.part(part_b)))
         else {
@@ -215,7 +234,10 @@ impl Best {
         if self.is_farther(in_a, in_b) {
             return Known::Some;
         }
-        let (result, method) = of_convex(self.accuracy, in_a, in_b);
+        let (result, method) = match pair.start.and_then(|start| self.from(in_a, in_b, start)) {
+            Some(found) => (found, Method::F64),
+            None => of_convex(self.accuracy, in_a, in_b),
+        };
         self.method = self.method.max(Some(method));
         match result {
             DistanceResult::Touching => {
@@ -248,6 +270,18 @@ impl Best {
             }
         }
         Known::Some
+    }
+
+    /// The distance of two polytopes that are apart, searched from vertices of each; `None` of others.
+    fn from(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        start: [[u32; 2]; 3],
+    ) -> Option<DistanceResult> {
+        let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
+        let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
+        Some(of_apart(self.accuracy, a, b, start))
     }
 
     /// At most how far two parts are apart, if their gap along the normal of the nearest so far shows that to be no less than
@@ -325,7 +359,8 @@ impl Kernel for NearestParts<'_> {
                     self.scratch.expand(l, self.relative, ([self.a, self.b], blocks), limit);
                 }
                 What::Parts(parts) => {
-                    if self.best.measure([self.a, self.b], parts) == Known::All {
+                    let pair = NearParts { parts, start: None };
+                    if self.best.measure([self.a, self.b], pair) == Known::All {
                         break;
                     }
                 }

@@ -50,7 +50,7 @@ pub(crate) use deepest::{
     AS_DEEP, Effort, PartPair, deepest, deepest_of, pairs_of, part_index, touching_parts,
 };
 pub use distance::distance;
-pub(crate) use distance::{Limited, distance_at, distance_of_nearest, nearer_than};
+pub(crate) use distance::{Limited, NearParts, distance_at, distance_of_nearest, nearer_than};
 pub(crate) use may_be_deepest::may_be_deepest;
 pub(crate) use nearest_triangle::distance_in_f32;
 pub(crate) use on_body::{

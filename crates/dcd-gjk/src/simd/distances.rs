@@ -15,7 +15,7 @@ use super::spheres::{self, MeasureSpheres, Near, NearPair};
 use super::{ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, PlacedSphere, distance_of_spheres, distance_within, spheres_are_beyond};
 use crate::distance::{DistanceResult, distance_below, of_apart};
-use crate::mesh::Limited;
+use crate::mesh::{Limited, NearParts};
 use crate::query::{
     DistanceContacts, FEWEST_MEASURED, check_margin, distance_at_once, distance_of_mesh_within,
     grown, spheres_are_apart, within_margin,
@@ -229,7 +229,7 @@ impl SimdDistances {
     fn by_parts(
         &self,
         found: &by_parts::Found,
-        candidates: &[[u32; 2]],
+        candidates: &[NearParts],
         [a, b]: [PosedShape<'_>; 2],
     ) -> Verdict<Option<Distance>> {
         let found = match found {
@@ -415,7 +415,7 @@ enum Measured<'a> {
     Searched(Found),
     Cuboids(of_cuboids::Found),
     /// And the pairs of parts that may be the nearest.
-    Parts(&'a by_parts::Found, &'a [[u32; 2]]),
+    Parts(&'a by_parts::Found, &'a [NearParts]),
     Formula,
     Centres,
 }
@@ -426,7 +426,7 @@ struct InOrder<'a> {
     near: Range<usize>,
     of_cuboids: slice::Iter<'a, of_cuboids::Found>,
     by_parts: slice::Iter<'a, by_parts::Found>,
-    candidates: &'a [[u32; 2]],
+    candidates: &'a [NearParts],
     formulas: Range<usize>,
     /// The pairs that were searched, and those with a formula.
     objects: [ScenePairs<'a>; 2],

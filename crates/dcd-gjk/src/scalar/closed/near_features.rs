@@ -20,6 +20,26 @@ pub(crate) struct NearFeatures {
     pub(crate) is_crossing: bool,
 }
 
+impl NearFeatures {
+    /// Vertices of both by number, a bit for each axis, between which the points are or nearly so: the nearest of each, and from
+    /// there along the edges and faces on which they are, as far as there is place.
+    pub(crate) fn vertices(&self) -> [[u32; 2]; 3] {
+        let nearest = self
+            .places
+            .map(|place| (0..3).map(|axis| u32::from(place[axis] >= 0.0) << axis).sum::<u32>());
+        let (mut found, mut count) = ([nearest; 3], 1);
+        for (side, place) in self.places.iter().enumerate() {
+            for (axis, along) in place.iter().enumerate() {
+                if along.is_finite() && count < found.len() {
+                    found[count][side] ^= 1 << axis;
+                    count += 1;
+                }
+            }
+        }
+        found
+    }
+}
+
 /// The most that the bounds of a distance in f64 may differ by. Unit: u·m. See `NEAREST` in segments.rs.
 const NEAREST: f64 = 64.0;
 

@@ -87,6 +87,12 @@ impl Near {
         Some(Distance { distance, point_a, point_b, normal, error_bound })
     }
 
+    /// Vertices of a and of b, by number, between which the points are.
+    pub(in super::super) fn vertices(&self) -> [[u32; 2]; 3] {
+        let vertices = self.features.vertices();
+        if self.is_swapped { vertices.map(|[first, second]| [second, first]) } else { vertices }
+    }
+
     /// The distance in f64 or longer numbers, by the features that the lanes found.
     pub(in super::super) fn distance(
         &self,

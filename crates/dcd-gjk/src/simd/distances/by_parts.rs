@@ -10,6 +10,7 @@ use super::super::scene_pairs::ScenePairs;
 use super::of_points::distance_of;
 use crate::closed::{self, distance_of_spheres};
 use crate::distance::DistanceResult;
+use crate::mesh::NearParts;
 use crate::{Accuracy, Distance, PosedShape, mesh};
 use dcd_geom::Pair;
 use dcd_simd::{Path, Unfused, dispatch_on};
@@ -35,7 +36,7 @@ pub(super) struct ByParts {
     /// For each what was found.
     pub(super) found: Vec<Found>,
     /// Pairs of parts, by their numbers in their compounds.
-    pub(super) candidates: Vec<[u32; 2]>,
+    pub(super) candidates: Vec<NearParts>,
     numbers: Vec<u32>,
     queue: Queue,
     /// The gaps of the likeliest pairs of parts, and of the others.
@@ -61,15 +62,21 @@ struct Gap {
     lower: f64,
     /// The distance, where the lanes know it.
     distance: Option<Distance>,
+    /// Between which vertices two polytopes are thought to be nearest, by their places in the blocks.
+    start: Option<[[u32; 2]; 3]>,
 }
 
 impl Gap {
-    const BEYOND: Self = Self { lower: f64::INFINITY, distance: None };
+    const BEYOND: Self = Self { lower: f64::INFINITY, distance: None, start: None };
 
     /// Of that distance, if it is known; at least `lower` of it.
     fn of(distance: Option<Distance>, lower: f64) -> Self {
         let of_distance = distance.map_or(0.0, |found| found.lower());
-        Self { lower: lower.max(of_distance), distance }
+        Self { lower: lower.max(of_distance), distance, start: None }
+    }
+
+    fn from(self, start: Option<[[u32; 2]; 3]>) -> Self {
+        Self { start, ..self }
     }
 
     fn upper(&self) -> f64 {
@@ -153,7 +160,7 @@ impl Gaps {
     /// Nothing is known of a pair of parts but how far apart its boxes are.
     fn push(&mut self, pair: Pair, of_boxes: f32) {
         self.pairs.push(pair);
-        self.gaps.push(Gap { lower: f64::from(of_boxes), distance: None });
+        self.gaps.push(Gap { lower: f64::from(of_boxes), distance: None, start: None });
     }
 
     /// Takes the likeliest pair of each question.
@@ -220,6 +227,7 @@ impl PartLanes {
                 of_cuboids::Found::Near(near) => {
                     let distance = near.distance_in_f32(frames, pairs[at]);
                     Gap::of(distance, gaps[at].lower.max(f64::from(near.lower)))
+                        .from(Some(near.vertices()))
                 }
             };
         }
@@ -234,7 +242,7 @@ impl PartLanes {
                         distance_of(points, a, b)
                     };
                     let distance = points.distance_in_f32(frames, pairs[at]).or_else(in_f64);
-                    Gap::of(distance, gaps[at].lower)
+                    Gap::of(distance, gaps[at].lower).from(Some(points.corners))
                 }
             };
         }
@@ -247,7 +255,7 @@ fn nearest(
     all: impl Iterator<Item = (Pair, Gap)> + Clone,
     accuracy: Accuracy,
     (objects, number): (ScenePairs<'_>, u32),
-    candidates: &mut Vec<[u32; 2]>,
+    candidates: &mut Vec<NearParts>,
 ) -> Found {
     let pair = objects.pairs[number as usize];
     let upper = all.clone().map(|(_, gap)| gap.upper()).fold(f64::INFINITY, f64::min);
@@ -266,8 +274,20 @@ fn nearest(
         return Found::Near(distance);
     }
     let begin = candidates.len();
-    candidates.extend(may_be.map(|(records, _)| numbers(records)));
+    let candidate = |(records, gap): (Pair, Gap)| {
+        let start = gap.start.and_then(|start| vertices(start, objects.posed(records)));
+        NearParts { parts: numbers(records), start }
+    };
+    candidates.extend(may_be.map(candidate));
     Found::Among(begin..candidates.len())
+}
+
+/// The vertices of two polytopes in those places of their blocks, the last of which is filled up with the last vertex.
+fn vertices(places: [[u32; 2]; 3], [a, b]: [PosedShape<'_>; 2]) -> Option<[[u32; 2]; 3]> {
+    let last =
+        |side: PosedShape<'_>| (side.shape.as_polytope()?.vertices().len() as u32).checked_sub(1);
+    let (last_a, last_b) = (last(a)?, last(b)?);
+    Some(places.map(|[a, b]| [a.min(last_a), b.min(last_b)]))
 }
 
 /// The least of the distances of pairs of parts, and what bounds it. Of equal ones the first by its parts' numbers, in an order
