@@ -9,6 +9,7 @@
 mod clip;
 mod corners;
 mod found;
+pub(in super::super) mod level;
 mod side;
 mod within;
 

@@ -274,3 +274,136 @@ fn the_patches_that_the_lanes_find_lie_on_both_cuboids_and_are_as_deep_as_they()
     assert!(narrower * 50 < known, "{narrower} of {known}");
     assert!(counts[1..].iter().all(|&count| count > 5), "{counts:?}");
 }
+
+/// Pairs 2k, 2k + 1 that are not turned: of numbers with few digits, so that sides meet and faces rest exactly, and of any.
+fn level_pairs(seed: u64, count: usize, scale: f64) -> Scene {
+    let mut draw = Draw(seed);
+    let (mut shapes, mut poses) = (Vec::new(), Vec::new());
+    for k in 0..count {
+        let mut vector = |least: f64| {
+            let any = draw.vector();
+            if k % 3 == 0 { any.abs() + least } else { (any.abs() * 4.0).ceil() * 0.25 + least }
+        };
+        let (half, other) = (vector(0.0) * 0.5 + 0.125, vector(0.0) * 0.5 + 0.125);
+        let signs = draw.vector().signum();
+        let reach = half + other;
+        let offset = match k % 4 {
+            0 => reach * DVec3::new(1.0, draw.unit(), draw.unit()),
+            1 => reach * [DVec3::new(draw.unit(), 1.0, 1.0), DVec3::ONE, DVec3::Z][k / 4 % 3],
+            2 => ((reach * draw.vector()) * 8.0).round() * 0.125,
+            _ => reach * draw.vector(),
+        };
+        let far = if k % 11 == 0 { draw.vector() * 1e3 } else { DVec3::ZERO };
+        for (half, place) in [(half, far), (other, far + offset * signs)] {
+            shapes.push(Shape::cuboid(half * scale).unwrap());
+            poses.push(Pose::from_translation(place * scale).unwrap());
+        }
+    }
+    Scene::one_each(shapes, poses).unwrap()
+}
+
+/// How far a point is from a feature of a cuboid that is not turned.
+fn off_feature(point: DVec3, feature: Feature, cuboid: PosedShape<'_>) -> f64 {
+    let polytope = cuboid.shape.as_polytope().unwrap();
+    let place = |k: u32| polytope.vertices()[k as usize] + cuboid.pose.translation();
+    let corners: Vec<DVec3> = match feature {
+        Feature::Vertex(k) => vec![place(k)],
+        Feature::Edge(j, k) => vec![place(j), place(k)],
+        Feature::Face(k) => {
+            let facet = &polytope.facets().facets()[k as usize];
+            polytope.facets().corners(facet).iter().map(|&k| place(k)).collect()
+        }
+        Feature::Surface => panic!("of cuboids alone"),
+    };
+    // All of these are boxes along the axes.
+    let least = corners.iter().copied().reduce(DVec3::min).unwrap();
+    let most = corners.iter().copied().reduce(DVec3::max).unwrap();
+    (point - point.clamp(least, most)).length()
+}
+
+#[test]
+fn the_patches_of_cuboids_that_are_not_turned_are_the_rectangles_that_both_share() {
+    let mut counts = [0; 5];
+    for (seed, scale) in [(21, 1.0), (22, 1e-4), (23, 1e4)] {
+        let scene = level_pairs(seed, 3000, scale);
+        let frame = prepared(&scene);
+        let frames = FramePair::of_one(&frame);
+        let posed = |pair: Pair| [pair.i, pair.j].map(|k| PosedShape::of(&scene, k));
+        let touch = |pair: &Pair| {
+            let [a, b] = posed(*pair);
+            crate::certified::overlap_of(a, b).0 == Verdict::Touching(())
+        };
+        let pairs: Vec<Pair> = (0..scene.len() as u32 / 2)
+            .map(|k| Pair { i: 2 * k, j: 2 * k + 1 })
+            .filter(touch)
+            .collect();
+        let swapped: Vec<Pair> = pairs.iter().map(|pair| Pair { i: pair.j, j: pair.i }).collect();
+        let found = |pairs: &[Pair]| {
+            let mut scratch = patches::Scratch::default();
+            patches::level::find(Path::best(), frames, pairs, &mut scratch);
+            let answers = pairs.iter().enumerate().map(|(number, &pair)| {
+                assert!(patches::level::are_level(frames, pair), "{pair:?}");
+                let patch = scratch.of(number);
+                let mut list = ManifoldContacts::default();
+                list.push_pair(pair);
+                let is_written = patch.is_known()
+                    && Manifolds::default().measure_cuboids(patch, posed(pair), (&mut list, 0));
+                is_written.then(|| list.contacts(0..1).next().unwrap().answer[0])
+            });
+            answers.collect::<Vec<_>>()
+        };
+        for ((&pair, lanes), mirrored) in pairs.iter().zip(found(&pairs)).zip(found(&swapped)) {
+            let [a, b] = posed(pair);
+            let apart = b.pose.translation() - a.pose.translation();
+            let (Some(lanes), Some(mirrored)) = (lanes, mirrored) else {
+                // Two of one centre have no order.
+                assert_eq!((apart, lanes, mirrored), (DVec3::ZERO, None, None), "{pair:?}");
+                continue;
+            };
+            let half = [a, b].map(|side| match side.shape.as_polytope().unwrap().kind() {
+                Kind::Cuboid { half_extents } => half_extents,
+                _ => unreachable!(),
+            });
+            let size = half[0].element_sum() + half[1].element_sum() + apart.abs().element_sum();
+            let what = format!("{pair:?} {half:?} {apart} {lanes:?}");
+            let overlaps = half[0] + half[1] - apart.abs();
+            let bound = lanes.error_bound;
+            assert!(bound <= 1e-5 * size + 4e-15 * a.pose.translation().length(), "{what}");
+            let axis = lanes.normal.abs().max_position();
+            assert_eq!(lanes.normal.abs()[axis], 1.0, "{what}");
+            assert!(lanes.normal.dot(apart) >= 0.0, "{what}");
+            assert!(overlaps[axis] <= overlaps.min_element() + bound, "{what}");
+            // The rectangle that both share, beside the normal.
+            let low = (-half[0]).max(apart - half[1]);
+            let high = half[0].min(apart + half[1]);
+            let others = [(axis + 1) % 3, (axis + 2) % 3];
+            let is_wide = others.map(|k| high[k] - low[k] > bound);
+            let points = lanes.points();
+            let due = is_wide.map(|is_wide| if is_wide { 2 } else { 1 });
+            assert_eq!(points.len(), due[0] * due[1], "{what}");
+            counts[points.len()] += 1;
+            for (j, point) in points.iter().enumerate() {
+                assert!((point.depth - overlaps[axis]).abs() <= bound, "{what}");
+                let at = point.point_a - a.pose.translation();
+                for k in others {
+                    let off = (at[k] - low[k]).abs().min((at[k] - high[k]).abs());
+                    assert!(off <= bound, "{what} {j} {k} {off}");
+                }
+                for other in &points[..j] {
+                    assert!(point.point_a.distance(other.point_a) > bound, "{what}");
+                }
+                let sides = [(point.point_a, a), (point.point_b, b)];
+                for ((place, side), feature) in sides.into_iter().zip(point.features) {
+                    let off = off_feature(place, feature, side);
+                    assert!(off <= bound, "{what} {place} {feature:?} {off}");
+                }
+                let other = mirrored.points()[j];
+                assert_eq!((point.point_a, point.point_b), (other.point_b, other.point_a));
+                assert_eq!(point.features, [other.features[1], other.features[0]]);
+            }
+            assert_eq!((mirrored.normal, mirrored.error_bound), (-lanes.normal, bound));
+        }
+    }
+    let [_, one, two, _, four] = counts;
+    assert!(one > 100 && two > 500 && four > 3000, "{counts:?}");
+}

@@ -22,6 +22,7 @@ pub(super) struct Sort<'a, 'b, S: MeasureDepth> {
     pub(super) accuracy: Accuracy,
     pub(super) of_cuboids: &'a mut of_cuboids::Scratch,
     pub(super) cuboids: &'a mut Vec<u32>,
+    pub(super) level: &'a mut Listed,
     pub(super) straight: &'a mut StraightPairs,
     pub(super) searched: &'a mut Searched,
     pub(super) apart: &'a mut ApartCores,
@@ -33,8 +34,17 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
-        let Self { objects, accuracy, of_cuboids, cuboids, straight, searched, apart, answers } =
-            self;
+        let Self {
+            objects,
+            accuracy,
+            of_cuboids,
+            cuboids,
+            level,
+            straight,
+            searched,
+            apart,
+            answers,
+        } = self;
         let ScenePairs { frames, pairs, .. } = objects;
         let sharp = closed::sharp_of(accuracy);
         cuboids.clear();
@@ -43,6 +53,8 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
         let apart = apart.begin();
         // The closed form of boxes along the axes has their patch. At f32's accuracy the lanes find it in less time.
         let is_upright_known = S::READS_PATCHES && accuracy != Accuracy::F32;
+        let are_patches_read = S::READS_PATCHES && accuracy == Accuracy::F32;
+        level.clear();
         for (number, &pair) in (0..).zip(pairs) {
             if let Some(spheres) = frames.spheres(pair) {
                 match closed::depth_of_spheres(spheres, sharp) {
@@ -53,6 +65,8 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
                 }
             } else if is_upright_known && axis_aligned::are_upright(frames, pair) {
                 answers.to.left.push(number);
+            } else if are_patches_read && patches::level::are_level(frames, pair) {
+                level.push(number, pair);
             } else if are_cuboids(frames, pair) {
                 cuboids.push(number);
                 of_cuboids.pairs.push(pair);
@@ -118,12 +132,12 @@ impl<S: MeasureDepth> MeasureSpheres for BySpheres<'_, S> {
     }
 }
 
-/// Answers the pairs of cuboids whose patches the lanes know, and keeps the others in the lists.
+/// Answers the pairs of cuboids whose patches the lanes know, and keeps the others in the lists: the pairs, and their numbers.
 pub(super) struct WritePatches<'a, 'b, S: MeasureDepth> {
     pub(super) objects: ScenePairs<'a>,
     pub(super) patches: &'a patches::Scratch,
-    pub(super) of_cuboids: &'a mut of_cuboids::Scratch,
-    pub(super) cuboids: &'a mut Vec<u32>,
+    pub(super) pairs: &'a mut Vec<Pair>,
+    pub(super) numbers: &'a mut Vec<u32>,
     pub(super) answers: &'a mut Answers<'b, S>,
 }
 
@@ -132,19 +146,38 @@ impl<S: MeasureDepth> Kernel for WritePatches<'_, '_, S> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
-        let Self { objects, patches, of_cuboids, cuboids, answers } = self;
-        let pairs = &mut of_cuboids.pairs;
+        let Self { objects, patches, pairs, numbers, answers } = self;
         let mut kept = 0;
-        for place in 0..pairs.len().min(cuboids.len()) {
+        for place in 0..pairs.len().min(numbers.len()) {
             ScenePairs { pairs, ..objects }.look_ahead_to_poses(place);
-            let (pair, number) = (pairs[place], cuboids[place]);
+            let (pair, number) = (pairs[place], numbers[place]);
             let patch = patches.of(place);
             if !patch.is_known() || !answers.write_patch(number, patch, objects.posed(pair)) {
-                (pairs[kept], cuboids[kept]) = (pair, number);
+                (pairs[kept], numbers[kept]) = (pair, number);
                 kept += 1;
             }
         }
         pairs.truncate(kept);
-        cuboids.truncate(kept);
+        numbers.truncate(kept);
+    }
+}
+
+/// Some of the pairs that touch, and their numbers among these.
+#[derive(Debug, Default)]
+pub(super) struct Listed {
+    pub(super) numbers: Vec<u32>,
+    pub(super) pairs: Vec<Pair>,
+}
+
+impl Listed {
+    pub(super) fn clear(&mut self) {
+        self.numbers.clear();
+        self.pairs.clear();
+    }
+
+    #[inline(always)]
+    pub(super) fn push(&mut self, number: u32, pair: Pair) {
+        self.numbers.push(number);
+        self.pairs.push(pair);
     }
 }

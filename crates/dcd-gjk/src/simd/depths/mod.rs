@@ -45,7 +45,7 @@ use answers::{Answers, Contacts, WriteDepth};
 use apart::{ApartCores, Thought};
 use dcd_geom::{Aabb, List, Pair, Scene};
 use dcd_simd::{ArrayVec, Path, dispatch_on};
-use formulas::{BySpheres, Sort, WritePatches};
+use formulas::{BySpheres, Listed, Sort, WritePatches};
 use nearest_face::OfFaces;
 use of_parts::OfParts;
 use proposed::{Proposal, Propose};
@@ -136,6 +136,8 @@ struct TouchingScratch {
     patches: patches::Scratch,
     /// The numbers of the pairs of cuboids that are not yet answered, in the order of those that `of_cuboids` looks at.
     cuboids: Vec<u32>,
+    /// The pairs of cuboids that are not turned, where their patches are read.
+    level: Listed,
     straight: StraightPairs,
     searched: Searched,
     apart: ApartCores,
@@ -158,6 +160,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
             of_cuboids,
             patches,
             cuboids,
+            level,
             straight,
             searched,
             apart,
@@ -167,14 +170,29 @@ impl<S: MeasureDepth> SimdDepths<S> {
         } = scratch;
         let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
         straight.begin();
-        let lists =
-            Sort { objects, accuracy, of_cuboids, cuboids, straight, searched, apart, answers };
+        let lists = Sort {
+            objects,
+            accuracy,
+            of_cuboids,
+            cuboids,
+            level,
+            straight,
+            searched,
+            apart,
+            answers,
+        };
         dispatch_on(self.path, lists);
         straight.answer(answers);
         if S::READS_PATCHES && accuracy == Accuracy::F32 {
-            patches::find(self.path, frames, &of_cuboids.pairs, patches);
-            let patches = &*patches;
-            let write = WritePatches { objects, patches, of_cuboids, cuboids, answers };
+            let Listed { numbers, pairs } = level;
+            patches::level::find(self.path, frames, pairs, patches);
+            let write = WritePatches { objects, patches, pairs, numbers, answers };
+            dispatch_on(self.path, write);
+            let pairs = &mut of_cuboids.pairs;
+            pairs.append(&mut level.pairs);
+            cuboids.append(&mut level.numbers);
+            patches::find(self.path, frames, pairs, patches);
+            let write = WritePatches { objects, patches, pairs, numbers: cuboids, answers };
             dispatch_on(self.path, write);
         }
         // The axes count of those alone whose patch is not known.

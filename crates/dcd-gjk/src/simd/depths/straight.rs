@@ -10,6 +10,7 @@ use super::super::frame::{BOX, FramePair, Record, SPHERE, SimdFrame};
 use super::super::straight::{CoreForm, InFrame, NearestInFrame, NearestOfTwo};
 use super::super::vector::V3;
 use super::answers::Answers;
+use super::formulas::Listed;
 use crate::epa::Depth;
 use crate::query::MeasureDepth;
 use dcd_geom::glam::{DVec3, Vec3};
@@ -75,23 +76,9 @@ impl CoreContact<'_> {
 /// What a thread reuses from slice to slice: pairs by their form.
 #[derive(Debug, Default)]
 pub(super) struct StraightPairs {
-    two: List,
-    beside_cuboid: List,
+    two: Listed,
+    beside_cuboid: Listed,
     packet: Packet,
-}
-
-/// Pairs, and their numbers among those that touch.
-#[derive(Debug, Default)]
-struct List {
-    numbers: Vec<u32>,
-    pairs: Vec<Pair>,
-}
-
-impl List {
-    fn clear(&mut self) {
-        self.numbers.clear();
-        self.pairs.clear();
-    }
 }
 
 impl StraightPairs {
@@ -110,8 +97,7 @@ impl StraightPairs {
             CoreForm::AndCuboid => &mut self.beside_cuboid,
             CoreForm::Others => return false,
         };
-        list.numbers.push(number);
-        list.pairs.push(pair);
+        list.push(number, pair);
         true
     }
 
@@ -148,7 +134,7 @@ struct Packet {
 
 /// Pairs of a form, and where their answers go.
 struct Search<'a, 'b, S: MeasureDepth> {
-    list: &'a List,
+    list: &'a Listed,
     packet: &'a mut Packet,
     answers: &'a mut Answers<'b, S>,
 }
