@@ -6,11 +6,11 @@ use super::round_depths::objects;
 use super::scenes::{Draw, in_both_orders};
 use super::within::found;
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Pair, Polytope, Scene, Shape};
+use dcd_geom::{Pair, Polytope, Pose, Scene, Shape};
 use dcd_gjk::query::{Feature, MeasureAt};
 use dcd_gjk::{
     Accuracy, Contact, Depths, ManifoldSet, Manifolds, PairSolver, PosedShape, SimdDepths,
-    ThenMeasure, Verdict, WithAccuracy,
+    ThenMeasure, Verdict, WithAccuracy, certified,
 };
 use dcd_simd::Path;
 
@@ -84,6 +84,11 @@ fn depths_are_within_their_bounds_and_points_on_both_surfaces() {
             assert!(off <= answer.error_bound + truth.error_bound, "{what} {truth:?}");
             bounds.push(answer.error_bound / size);
             let slack = 1e-13 * size + 1e-15 * far;
+            // By that way the two come apart.
+            let by = answer.normal * (answer.depth + answer.error_bound + slack);
+            let away = Pose::from_matrix(*b.pose.rotation(), b.pose.translation() + by).unwrap();
+            let moved = certified::overlap_of(a, PosedShape { pose: &away, ..b }).0;
+            assert_ne!(moved, Verdict::Touching(()), "{what}");
             let missed = answer.point_a - answer.point_b - answer.normal * answer.depth;
             assert!(
                 missed.length() <= answer.error_bound + 1e-8 * size + slack,

@@ -61,8 +61,9 @@ use surface::Surface;
 /// Contact is proved as in [`Overlap`](crate::Overlap). For polytopes of which one has no closed form the
 /// depth is searched in f32, sixteen vertices or faces an operation, with a proved bound that is as good as the
 /// accuracy requires: that of the search at [`Accuracy::F32`], at others and of rounded ones that of f64, which confirms it.
-/// At [`Accuracy::F32`] so are cylinders and cones, rounded or not, beside polytopes and each other. The solver measures all
-/// other pairs, and what is not known as well. The same bits on every path and at any number of threads; (a, b) and (b, a) are
+/// At [`Accuracy::F32`] so are cylinders and cones, rounded or not, beside polytopes and each other, and spheres and capsules have
+/// the nearest points of their cores, with each other and cuboids. The solver measures all other pairs, and what is not known as
+/// well. The same bits on every path and at any number of threads; (a, b) and (b, a) are
 /// mirrored.
 ///
 /// ```

@@ -125,9 +125,8 @@ struct Packet {
     /// From the middle of a segment to an end: of the first and the second, or of the one that is no cuboid.
     ends: [[Row; 3]; 2],
     cuboids: [Row; WIDTH],
-    /// Where on the segments the nearest points are.
+    /// Where on the segments the nearest points are, from −1 to 1.
     places: [Row; 2],
-    past: Row,
     /// From a cuboid, in its frame.
     away: [Row; 3],
 }
@@ -278,6 +277,13 @@ fn lost([first, second]: &[Side<'_>; 2], between: DVec3, unit: f32) -> Option<f6
     (number(SIZE.start) < size && size < number(SIZE.end)).then_some(error)
 }
 
+/// How far past the point at t in [−1, 1] of a segment an end reaches, towards less, along a direction on which the half segment is
+/// `rise` long.
+#[inline(always)]
+fn past_end(t: f64, rise: f64) -> f64 {
+    ((t + 1.0) * rise).max((t - 1.0) * rise)
+}
+
 /// The depth of two shapes whose cores are `length` apart along the normal; `None` where that is not surely so.
 #[inline(always)]
 fn sure(depth: Depth, length: f64) -> Option<Depth> {
@@ -307,19 +313,17 @@ impl Packet {
     #[inline(always)]
     fn find_of_two<L: Lanes>(&mut self, l: L) {
         let ends = [V3::load(l, &self.ends[0]), V3::load(l, &self.ends[1])];
-        let NearestOfTwo { s, t, past, .. } = NearestOfTwo::of(l, V3::load(l, &self.between), ends);
+        let NearestOfTwo { s, t, .. } = NearestOfTwo::of(l, V3::load(l, &self.between), ends);
         l.store(s, &mut self.places[0]);
         l.store(t, &mut self.places[1]);
-        l.store(past, &mut self.past);
     }
 
     #[inline(always)]
     fn find_beside_cuboid<L: Lanes>(&mut self, l: L) {
         let (middle, end) = (V3::load(l, &self.between), V3::load(l, &self.ends[0]));
-        let NearestInFrame { t, away: [x, y, z], past } =
+        let NearestInFrame { t, away: [x, y, z], .. } =
             InFrame::of(l, &self.cuboids, middle, end).nearest(l);
         l.store(t, &mut self.places[0]);
-        l.store(past, &mut self.past);
         V3(x, y, z).store(l, &mut self.away);
     }
 
@@ -339,11 +343,12 @@ impl Packet {
     fn contact_of_two<'a>(&self, lane: usize, sides: &[Side<'a>; 2]) -> Option<CoreContact<'a>> {
         let [first, second] = sides;
         let ends = [Self::vector_at(&self.ends[0], lane), Self::vector_at(&self.ends[1], lane)];
-        let (in_first, in_second) =
-            (ends[0] * Self::at(&self.places[0], lane), ends[1] * Self::at(&self.places[1], lane));
+        let [s, t] = [Self::at(&self.places[0], lane), Self::at(&self.places[1], lane)];
+        let (in_first, in_second) = (ends[0] * s, ends[1] * t);
         let between = first.place() - second.place();
         let w = (between + in_first) - in_second;
         let length = w.length();
+        let past = past_end(s, w.dot(ends[0])) + past_end(-t, w.dot(ends[1]));
         let normal = w / -length;
         let radii = [f64::from(first.radius), f64::from(second.radius)];
         let depth = Depth {
@@ -351,7 +356,7 @@ impl Packet {
             normal,
             point_a: (first.place() + in_first) + normal * radii[0],
             point_b: (second.place() + in_second) - normal * radii[1],
-            error_bound: lost(sides, between, STRAIGHT)? + Self::at(&self.past, lane) / length,
+            error_bound: lost(sides, between, STRAIGHT)? + past / length,
         };
         let cores = [first.straight(ends[0])?, second.straight(ends[1])?];
         Some(CoreContact { depth: sure(depth, length)?, cores })
@@ -373,7 +378,8 @@ impl Packet {
         let length = w.length();
         let normal = w / -length;
         let radius = f64::from(first.radius);
-        let place = first.place() + end * Self::at(&self.places[0], lane);
+        let t = Self::at(&self.places[0], lane);
+        let place = first.place() + end * t;
         let between = first.place() - second.place();
         let depth = Depth {
             depth: radius - length,
@@ -381,7 +387,7 @@ impl Packet {
             point_a: place + normal * radius,
             point_b: place - w,
             error_bound: lost(sides, between, STRAIGHT + TURNED)?
-                + Self::at(&self.past, lane) / length,
+                + past_end(t, w.dot(end)) / length,
         };
         let cores = [first.straight(end)?, NearCore::Cuboid(cuboid)];
         Some(CoreContact { depth: sure(depth, length)?, cores })
