@@ -17,7 +17,7 @@ with "attached" as above. Continuous joints turn as the numbers say, never the s
   {"edge": k, "answer": "undecided", "t": [lo, hi], "pair": ["a", "b"], "reason": "…", …}: the first interval that is neither
 --budget is a number of intervals of one edge, so that an answer does not depend on the machine. --certificate FILE writes
 for each free edge the separating planes of every pair on intervals of t, JSON Lines: what the robot, its world and the pairs that
-may touch are, then the edges (docs/guide/certificates.md); the planes take up to 16 times the budget's intervals."#;
+may touch are, before the first free edge, and the edges in order (docs/guide/certificates.md); the planes take up to 16 times the budget's intervals."#;
 
 /// `--edges`: whether each is free.
 pub(super) struct Edges {

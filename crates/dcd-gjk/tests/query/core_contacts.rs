@@ -5,8 +5,9 @@ use super::patches::off_surface;
 use super::round_depths::objects;
 use super::scenes::{Draw, in_both_orders};
 use super::within::found;
-use dcd_geom::glam::DVec3;
-use dcd_geom::{Pair, Polytope, Pose, Scene, Shape};
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::{Object, Pair, Polytope, Pose, Scene, Shape};
+use dcd_gjk::distance::gap_along;
 use dcd_gjk::query::{Feature, MeasureAt};
 use dcd_gjk::{
     Accuracy, Contact, Depths, ManifoldSet, Manifolds, PairSolver, PosedShape, SimdDepths,
@@ -84,7 +85,9 @@ fn depths_are_within_their_bounds_and_points_on_both_surfaces() {
             assert!(off <= answer.error_bound + truth.error_bound, "{what} {truth:?}");
             bounds.push(answer.error_bound / size);
             let slack = 1e-13 * size + 1e-15 * far;
-            // By that way the two come apart.
+            // By that way the two come apart, and planes across it fit between.
+            let needs = -gap_along(a, b, answer.normal).unwrap();
+            assert!(needs <= answer.depth + answer.error_bound + slack, "{what} {needs}");
             let by = answer.normal * (answer.depth + answer.error_bound + slack);
             let away = Pose::from_matrix(*b.pose.rotation(), b.pose.translation() + by).unwrap();
             let moved = certified::overlap_of(a, PosedShape { pose: &away, ..b }).0;
@@ -179,4 +182,34 @@ fn features_are_those_that_the_solver_names() {
     }
     assert!(differ <= alone.len() / 200, "{differ} of {}", alone.len());
     assert!(kinds.iter().all(|&count| count > 200), "{kinds:?}");
+}
+
+#[test]
+fn planes_across_the_normal_of_long_capsules_with_near_cores_fit_after_the_bound() {
+    let mut draw = Draw::seeded(41);
+    let shapes = vec![Shape::capsule(1.0, 0.1).unwrap(), Shape::capsule(0.4, 0.05).unwrap()];
+    let mut objects = Vec::new();
+    for k in 0..4000 {
+        // They cross at up to 0.3 rad, some millimetres between their cores.
+        let turn = draw.turn();
+        let angle = 0.3 * draw.unit();
+        let bent = turn * DQuat::from_rotation_y(angle);
+        let gap = 10f64.powf(-2.3 + 0.5 * draw.unit());
+        let (along, other) = (DVec3::Z * draw.unit(), DVec3::Z * 0.4 * draw.unit());
+        let at = turn * (along + DVec3::Y * gap) - bent * other;
+        objects.push(Object::new(0, Pose::new(turn, DVec3::ZERO).unwrap()));
+        objects.push(Object::new(k % 2, Pose::new(bent, at).unwrap()));
+    }
+    let scene = Scene::new(shapes, objects).unwrap();
+    let pairs: Vec<_> = (0..4000).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
+    let (depths, _) = found(&SimdDepths::new(Depths, Accuracy::F32), &scene, &pairs);
+    assert_eq!(depths.len(), 4000);
+    let mut in_lanes = 0;
+    for Contact { pair, answer } in depths {
+        let [a, b] = [pair.i, pair.j].map(|k| PosedShape::of(&scene, k));
+        let needs = -gap_along(a, b, answer.normal).unwrap();
+        assert!(needs <= answer.depth + answer.error_bound + 1e-13, "{pair:?} {answer:?} {needs}");
+        in_lanes += usize::from(answer.error_bound > 1e-9);
+    }
+    assert!(in_lanes > 1000, "{in_lanes}");
 }

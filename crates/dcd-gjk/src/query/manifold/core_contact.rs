@@ -10,8 +10,8 @@ use crate::simd::{CoreContact, NearCore};
 use dcd_geom::glam::DVec3;
 
 /// The sine above which two edges surely cross that f32 knows to some millionths. Smaller: edges that are parallel, and touch in
-/// two points.
-const CROSSING: f64 = 1e-4;
+/// two points, or where they cross is not well known.
+const CROSSING: f64 = 1e-2;
 
 /// What a core shows along the normal.
 enum Shown {

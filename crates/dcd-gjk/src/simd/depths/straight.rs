@@ -22,6 +22,11 @@ use std::ops::Deref;
 /// Smaller: more pairs are measured one by one, in f64.
 const SURE: [f64; 2] = [1.0 / 256.0, 1.0];
 
+/// The squared sine up to which two segments, or a segment and what it is beside of a cuboid, are nearly parallel: where between their
+/// ends they are nearest f32 does not know well. No unit. Larger: more pairs are measured one by one. Smaller: points and normals
+/// that are elsewhere, as near as the bound says.
+const PARALLEL: f64 = 1e-4;
+
 /// How much more than the distance the points of a cuboid may be off, whose edges are rounded to f32. Unit: u·m. Derived: 4.
 const TURNED: f32 = 8.0;
 
@@ -55,6 +60,18 @@ impl NearCuboid<'_> {
     #[inline(always)]
     pub(crate) fn edge(&self, axis: usize) -> DVec3 {
         Vec3::from_slice(&self.numbers.0[3 * axis % 9..][..3]).as_dvec3()
+    }
+
+    /// How long a vector is, squared, without its parts along the edges along which a point is no farther away than the cuboid
+    /// reaches.
+    #[inline(always)]
+    fn rise(&self, away: DVec3, vector: DVec3) -> f64 {
+        let mut squared = 0.0;
+        for axis in 0..3 {
+            let along = if away[axis] == 0.0 { 0.0 } else { self.edge(axis).dot(vector) };
+            squared += along * along;
+        }
+        squared
     }
 
     /// See [`case_of`](crate::query::case_of); larger than any of a flat one, and where it is not known.
@@ -105,16 +122,19 @@ impl StraightPairs {
     pub(super) fn answer<S: MeasureDepth>(&mut self, answers: &mut Answers<'_, S>) {
         let Self { two, beside_cuboid, packet } = self;
         let path = answers.to.path;
-        if !two.pairs.is_empty() {
-            dispatch_on(path, Unfused(OfTwo(Search { list: two, packet, answers })));
-        }
-        if !beside_cuboid.pairs.is_empty() {
-            dispatch_on(
-                path,
-                Unfused(BesideCuboid(Search { list: beside_cuboid, packet, answers })),
-            );
+        for (list, form) in [(two, Form::Two), (beside_cuboid, Form::BesideCuboid)] {
+            if !list.pairs.is_empty() {
+                dispatch_on(path, Unfused(Search { form, list, packet, answers }));
+            }
         }
     }
+}
+
+/// What a pair is: two straight cores, or one and a cuboid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    Two,
+    BesideCuboid,
 }
 
 /// Sixteen pairs as they are read, and what is found of them; kept, so that it need not be cleared.
@@ -133,57 +153,34 @@ struct Packet {
 
 /// Pairs of a form, and where their answers go.
 struct Search<'a, 'b, S: MeasureDepth> {
+    form: Form,
     list: &'a Listed,
     packet: &'a mut Packet,
     answers: &'a mut Answers<'b, S>,
 }
 
-struct OfTwo<'a, 'b, S: MeasureDepth>(Search<'a, 'b, S>);
-
-struct BesideCuboid<'a, 'b, S: MeasureDepth>(Search<'a, 'b, S>);
-
-impl<S: MeasureDepth> Kernel for OfTwo<'_, '_, S> {
+impl<S: MeasureDepth> Kernel for Search<'_, '_, S> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self(Search { list, packet, answers }) = self;
+        let Self { form, list, packet, answers } = self;
         let frames = answers.objects.frames;
         for (pairs, numbers) in list.pairs.chunks(WIDTH).zip(list.numbers.chunks(WIDTH)) {
             for (lane, &pair) in pairs.iter().enumerate() {
-                let (sides, _) = Side::by_centres(frames, pair);
-                packet.read(lane, &sides);
-                packet.set_end(0, lane, &sides[0]);
-                packet.set_end(1, lane, &sides[1]);
+                let (sides, _) = Side::both(form, frames, pair);
+                packet.read(form, lane, &sides);
             }
-            packet.find_of_two(l);
+            match form {
+                Form::Two => packet.find_of_two(l),
+                Form::BesideCuboid => packet.find_beside_cuboid(l),
+            }
             for (lane, (&pair, &number)) in pairs.iter().zip(numbers).enumerate() {
-                let (sides, swapped) = Side::by_centres(frames, pair);
-                let found = packet.contact_of_two(lane, &sides);
-                answers.write_contact(number, found.map(|found| in_order(found, swapped)));
-            }
-        }
-    }
-}
-
-impl<S: MeasureDepth> Kernel for BesideCuboid<'_, '_, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) {
-        let Self(Search { list, packet, answers }) = self;
-        let frames = answers.objects.frames;
-        for (pairs, numbers) in list.pairs.chunks(WIDTH).zip(list.numbers.chunks(WIDTH)) {
-            for (lane, &pair) in pairs.iter().enumerate() {
-                let (sides, _) = Side::cuboid_last(frames, pair);
-                packet.read(lane, &sides);
-                packet.set_end(0, lane, &sides[0]);
-                packet.cuboids[lane % WIDTH] = *sides[1].numbers();
-            }
-            packet.find_beside_cuboid(l);
-            for (lane, (&pair, &number)) in pairs.iter().zip(numbers).enumerate() {
-                let (sides, swapped) = Side::cuboid_last(frames, pair);
-                let found = packet.contact_beside_cuboid(lane, &sides);
+                let (sides, swapped) = Side::both(form, frames, pair);
+                let found = match form {
+                    Form::Two => packet.contact_of_two(lane, &sides),
+                    Form::BesideCuboid => packet.contact_beside_cuboid(lane, &sides),
+                };
                 answers.write_contact(number, found.map(|found| in_order(found, swapped)));
             }
         }
@@ -212,26 +209,18 @@ impl Deref for Side<'_> {
 }
 
 impl<'a> Side<'a> {
+    /// The cuboid last, or two in the order of their centres; and whether that is not the pair's. Two centres that are one have no
+    /// order, nor nearest points.
     #[inline(always)]
-    fn both(frames: FramePair<'a>, pair: Pair, swapped: bool) -> ([Self; 2], bool) {
+    fn both(form: Form, frames: FramePair<'a>, pair: Pair) -> ([Self; 2], bool) {
         let side =
             |frame: &'a SimdFrame, object| Self { frame, object, record: frame.record(object) };
         let (a, b) = (side(frames.a, pair.i), side(frames.b, pair.j));
+        let swapped = match form {
+            Form::Two => is_behind(a.record, b.record),
+            Form::BesideCuboid => a.marks & BOX != 0,
+        };
         (if swapped { [b, a] } else { [a, b] }, swapped)
-    }
-
-    /// In the order of the centres, and whether that is not the pair's. Two centres that are one have none, nor nearest points.
-    #[inline(always)]
-    fn by_centres(frames: FramePair<'a>, pair: Pair) -> ([Self; 2], bool) {
-        let swapped = is_behind(frames.a.record(pair.i), frames.b.record(pair.j));
-        Self::both(frames, pair, swapped)
-    }
-
-    /// The cuboid last, and whether that is not the pair's order.
-    #[inline(always)]
-    fn cuboid_last(frames: FramePair<'a>, pair: Pair) -> ([Self; 2], bool) {
-        let swapped = frames.a.record(pair.i).marks & BOX != 0;
-        Self::both(frames, pair, swapped)
     }
 
     #[inline(always)]
@@ -296,10 +285,15 @@ fn sure(depth: Depth, length: f64) -> Option<Depth> {
 
 impl Packet {
     #[inline(always)]
-    fn read(&mut self, lane: usize, [first, second]: &[Side<'_>; 2]) {
+    fn read(&mut self, form: Form, lane: usize, [first, second]: &[Side<'_>; 2]) {
         let between = (first.place() - second.place()).to_array();
         for (row, between) in self.between.iter_mut().zip(between) {
             row.0[lane % WIDTH] = between as f32;
+        }
+        self.set_end(0, lane, first);
+        match form {
+            Form::Two => self.set_end(1, lane, second),
+            Form::BesideCuboid => self.cuboids[lane % WIDTH] = *second.numbers(),
         }
     }
 
@@ -344,6 +338,11 @@ impl Packet {
         let [first, second] = sides;
         let ends = [Self::vector_at(&self.ends[0], lane), Self::vector_at(&self.ends[1], lane)];
         let [s, t] = [Self::at(&self.places[0], lane), Self::at(&self.places[1], lane)];
+        let crossing = ends[0].cross(ends[1]).length_squared();
+        let sizes = ends[0].length_squared() * ends[1].length_squared();
+        if s.abs() < 1.0 && t.abs() < 1.0 && crossing < PARALLEL * sizes {
+            return None;
+        }
         let (in_first, in_second) = (ends[0] * s, ends[1] * t);
         let between = first.place() - second.place();
         let w = (between + in_first) - in_second;
@@ -379,6 +378,9 @@ impl Packet {
         let normal = w / -length;
         let radius = f64::from(first.radius);
         let t = Self::at(&self.places[0], lane);
+        if t.abs() < 1.0 && cuboid.rise(away, end) < PARALLEL * end.length_squared() {
+            return None;
+        }
         let place = first.place() + end * t;
         let between = first.place() - second.place();
         let depth = Depth {
