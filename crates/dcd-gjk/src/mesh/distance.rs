@@ -234,10 +234,11 @@ impl Best {
         if self.is_farther(in_a, in_b) {
             return Known::Some;
         }
-        let (result, method) = match pair.start.and_then(|start| self.from(in_a, in_b, start)) {
-            Some(found) => (found, Method::F64),
-            None => of_convex(self.accuracy, in_a, in_b),
-        };
+        let (result, method) =
+            match pair.start.and_then(|start| self.searched_from(in_a, in_b, start)) {
+                Some(found) => (found, Method::F64),
+                None => of_convex(self.accuracy, in_a, in_b),
+            };
         self.method = self.method.max(Some(method));
         match result {
             DistanceResult::Touching => {
@@ -273,7 +274,7 @@ impl Best {
     }
 
     /// The distance of two polytopes that are apart, searched from vertices of each; `None` of others.
-    fn from(
+    fn searched_from(
         &self,
         a: PosedShape<'_>,
         b: PosedShape<'_>,

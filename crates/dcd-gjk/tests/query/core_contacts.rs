@@ -4,7 +4,7 @@
 use super::patches::off_surface;
 use super::round_depths::objects;
 use super::scenes::{Draw, in_both_orders};
-use super::within::found;
+use super::within::{found, on_every_path};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Object, Pair, Polytope, Pose, Scene, Shape};
 use dcd_gjk::distance::gap_along;
@@ -13,7 +13,6 @@ use dcd_gjk::{
     Accuracy, Contact, Depths, ManifoldSet, Manifolds, PairSolver, PosedShape, SimdDepths,
     ThenMeasure, Verdict, WithAccuracy, certified,
 };
-use dcd_simd::Path;
 
 /// 24 spheres and capsules, some long, hardly longer than spheres or off their origins, and six cuboids, some of them flat.
 fn shapes(draw: &mut Draw, scale: f64) -> Vec<Shape> {
@@ -39,16 +38,8 @@ fn shapes(draw: &mut Draw, scale: f64) -> Vec<Shape> {
 
 /// What every path finds, which is the same.
 fn manifolds(scene: &Scene, pairs: &[Pair]) -> Vec<Contact<ManifoldSet>> {
-    let mut first: Option<Vec<Contact<ManifoldSet>>> = None;
-    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-        let narrow = SimdDepths::on(path, Manifolds::default(), Accuracy::F32);
-        let (found, _) = found(&narrow, scene, pairs);
-        match &first {
-            Some(first) => assert!(*first == found, "{path:?}"),
-            None => first = Some(found),
-        }
-    }
-    first.unwrap()
+    let narrow = |path| SimdDepths::on(path, Manifolds::default(), Accuracy::F32);
+    on_every_path(narrow, scene, pairs)
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::patches::off_surface;
 use super::scenes::{Draw, in_both_orders};
-use super::within::found;
+use super::within::{found, on_every_path};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Object, Pair, Pose, Scene, Shape, SupportMap};
 use dcd_gjk::query::MeasureAt;
@@ -10,7 +10,6 @@ use dcd_gjk::{
     Accuracy, Contact, Depths, Manifolds, PairSolver, PosedShape, SimdDepths, Verdict, certified,
     epa,
 };
-use dcd_simd::Path;
 
 /// Cylinders and cones, some flat or long or rounded, and what is not round.
 pub(super) fn shapes(draw: &mut Draw, scale: f64) -> Vec<Shape> {
@@ -106,15 +105,7 @@ pub(super) fn objects(
 }
 
 fn depths(scene: &Scene, pairs: &[Pair]) -> Vec<Contact<epa::Depth>> {
-    let mut first: Option<Vec<Contact<epa::Depth>>> = None;
-    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-        let (depths, _) = found(&SimdDepths::on(path, Depths, Accuracy::F32), scene, pairs);
-        match &first {
-            Some(first) => assert!(*first == depths, "{path:?}"),
-            None => first = Some(depths),
-        }
-    }
-    first.unwrap()
+    on_every_path(|path| SimdDepths::on(path, Depths, Accuracy::F32), scene, pairs)
 }
 
 #[test]

@@ -7,6 +7,7 @@ use dcd_gjk::{
     Certified, Contact, ContactList, ContactSink, ContactsOf, Distances, NarrowPhase, Overlap,
     Pairwise, Prepared, Reason, Report, Sides, ThenMeasure, Within, contract,
 };
+use dcd_simd::Path;
 
 /// The contacts among the pairs whose boxes overlap, and the report.
 pub(crate) fn found<N: NarrowPhase>(
@@ -25,6 +26,26 @@ pub(crate) fn found<N: NarrowPhase>(
     let side = Prepared { scene, frame: &frame };
     narrow.decide(side, side, &candidates, &mut N::Scratch::default(), &mut sink);
     (contacts.contacts(0..contacts.len()).collect(), report)
+}
+
+/// The contacts that a narrow phase finds on every path, which are the same.
+pub(crate) fn on_every_path<N: NarrowPhase>(
+    narrow: impl Fn(Path) -> N,
+    scene: &Scene,
+    pairs: &[Pair],
+) -> Vec<Contact<N::Answer>>
+where
+    N::Answer: PartialEq,
+{
+    let mut first: Option<Vec<Contact<N::Answer>>> = None;
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        let (found, _) = found(&narrow(path), scene, pairs);
+        match &first {
+            Some(first) => assert!(*first == found, "{path:?}"),
+            None => first = Some(found),
+        }
+    }
+    first.unwrap()
 }
 
 fn pairs_of<A>(contacts: &[Contact<A>]) -> Vec<Pair> {

@@ -155,6 +155,15 @@ fn the_axes_that_the_lanes_leave_out_change_no_depth() {
     assert_eq!(Axes::ALL.mirrored(), Axes::ALL);
 }
 
+/// Those of the pairs 2k, 2k + 1 that touch.
+fn touching_pairs(scene: &Scene) -> Vec<Pair> {
+    let touch = |pair: &Pair| {
+        let [a, b] = [pair.i, pair.j].map(|k| PosedShape::of(scene, k));
+        crate::certified::overlap_of(a, b).0 == Verdict::Touching(())
+    };
+    (0..scene.len() as u32 / 2).map(|k| Pair { i: 2 * k, j: 2 * k + 1 }).filter(touch).collect()
+}
+
 /// How far a point is from the surface of a cuboid.
 fn off_surface(point: DVec3, cuboid: PosedShape<'_>, half: DVec3) -> f64 {
     let local = cuboid.pose.rotation().transpose() * (point - cuboid.pose.translation());
@@ -188,14 +197,7 @@ fn the_patches_that_the_lanes_find_lie_on_both_cuboids_and_are_as_deep_as_they()
         let frame = prepared(&scene);
         let frames = FramePair::of_one(&frame);
         let posed = |pair: Pair| [pair.i, pair.j].map(|k| PosedShape::of(&scene, k));
-        let touch = |pair: &Pair| {
-            let [a, b] = posed(*pair);
-            crate::certified::overlap_of(a, b).0 == Verdict::Touching(())
-        };
-        let pairs: Vec<Pair> = (0..scene.len() as u32 / 2)
-            .map(|k| Pair { i: 2 * k, j: 2 * k + 1 })
-            .filter(touch)
-            .collect();
+        let pairs = touching_pairs(&scene);
         let swapped: Vec<Pair> = pairs.iter().map(|pair| Pair { i: pair.j, j: pair.i }).collect();
         let found = |pairs: &[Pair]| {
             let mut scratch = patches::Scratch::default();
@@ -329,14 +331,7 @@ fn the_patches_of_cuboids_that_are_not_turned_are_the_rectangles_that_both_share
         let frame = prepared(&scene);
         let frames = FramePair::of_one(&frame);
         let posed = |pair: Pair| [pair.i, pair.j].map(|k| PosedShape::of(&scene, k));
-        let touch = |pair: &Pair| {
-            let [a, b] = posed(*pair);
-            crate::certified::overlap_of(a, b).0 == Verdict::Touching(())
-        };
-        let pairs: Vec<Pair> = (0..scene.len() as u32 / 2)
-            .map(|k| Pair { i: 2 * k, j: 2 * k + 1 })
-            .filter(touch)
-            .collect();
+        let pairs = touching_pairs(&scene);
         let swapped: Vec<Pair> = pairs.iter().map(|pair| Pair { i: pair.j, j: pair.i }).collect();
         let found = |pairs: &[Pair]| {
             let mut scratch = patches::Scratch::default();

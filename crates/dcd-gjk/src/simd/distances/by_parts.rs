@@ -75,8 +75,9 @@ impl Gap {
         Self { lower: lower.max(of_distance), distance, start: None }
     }
 
-    fn from(self, start: Option<[[u32; 2]; 3]>) -> Self {
-        Self { start, ..self }
+    /// The same, where that is known too.
+    fn starting_from(self, start: [[u32; 2]; 3]) -> Self {
+        Self { start: Some(start), ..self }
     }
 
     fn upper(&self) -> f64 {
@@ -227,7 +228,7 @@ impl PartLanes {
                 of_cuboids::Found::Near(near) => {
                     let distance = near.distance_in_f32(frames, pairs[at]);
                     Gap::of(distance, gaps[at].lower.max(f64::from(near.lower)))
-                        .from(Some(near.vertices()))
+                        .starting_from(near.vertices())
                 }
             };
         }
@@ -242,7 +243,7 @@ impl PartLanes {
                         distance_of(points, a, b)
                     };
                     let distance = points.distance_in_f32(frames, pairs[at]).or_else(in_f64);
-                    Gap::of(distance, gaps[at].lower).from(Some(points.corners))
+                    Gap::of(distance, gaps[at].lower).starting_from(points.corners)
                 }
             };
         }
