@@ -18,7 +18,6 @@ mod bounds_only;
 mod contact_list;
 pub mod contract;
 mod exact;
-mod hull_planes;
 pub mod mesh;
 pub mod motion;
 mod narrow_phase;

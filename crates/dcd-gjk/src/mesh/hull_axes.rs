@@ -1,18 +1,20 @@
 //! A triangle against a solid hull by the planes of their difference: whether they touch, and how deep
 //! (docs/numerics/proofs.md, "a triangle and a hull").
 
+mod features;
 mod lanes;
+mod round;
 
 use super::bounds::{U, U64};
 use super::cuboid::{AXIS, ByAxes, PLACED};
 use super::reach::Couple;
 use crate::closed::nearest_of_triangle;
 use crate::epa::Depth;
-use crate::hull_planes::{HullFeatures, PLANE, shares};
 use dcd_geom::Polytope;
 use dcd_geom::glam::DVec3;
 use dcd_simd::{Path, Unfused, dispatch_on};
-use lanes::{Feature, HullAxes};
+use features::{HullFeatures, shares};
+use lanes::{Feature, HullAxes, PLANE};
 
 /// Lengths, metres, whose products f32 holds.
 const SIZES: std::ops::Range<f64> = 1e-6..1e8;

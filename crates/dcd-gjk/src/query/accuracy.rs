@@ -175,6 +175,12 @@ pub struct FoundPair<'a> {
     pub number: usize,
 }
 
+impl From<Depth> for FoundDepth {
+    fn from(depth: Depth) -> Self {
+        Self { depth, farthest: None }
+    }
+}
+
 impl FoundDepth {
     /// The same with a and b exchanged.
     pub fn mirrored(self) -> Self {

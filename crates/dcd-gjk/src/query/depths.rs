@@ -1,7 +1,7 @@
 //! How deep touching pairs overlap.
 
 use super::few_parts::{self, PartContact, Wanted};
-use super::{Accuracy, FoundPair, MeasureAt, MeasureDepth, open_triangles, sampled};
+use super::{Accuracy, FoundDepth, FoundPair, MeasureAt, MeasureDepth, open_triangles, sampled};
 use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
 use crate::mesh::{Effort, KnownParts, OfTriangle, PartPair};
@@ -154,6 +154,22 @@ impl MeasureDepth for Depths {
         true
     }
 
+    fn measure_alone(
+        &self,
+        accuracy: Accuracy,
+        [a, b]: [PosedShape<'_>; 2],
+        scratch: &mut epa::Scratch,
+        (contacts, number): (&mut Vec<Contact<Depth>>, usize),
+    ) -> Verdict<()> {
+        let found = match by_frame(accuracy, a, b) {
+            Some(found) => Verdict::Touching(found),
+            None => {
+                without_frame((accuracy, Searched::InLanes), a, b, scratch).map(|found| found.depth)
+            }
+        };
+        found.map(|found| contacts[number].answer = found)
+    }
+
     fn measure_parts(
         &self,
         accuracy: Accuracy,
@@ -208,17 +224,25 @@ pub(super) fn of_touching(
 ) -> Verdict<Depth> {
     match by_frame(accuracy, a, b) {
         Some(found) => Verdict::Touching(found),
-        None => without_frame(accuracy, a, b, scratch),
+        None => without_frame((accuracy, Searched::Not), a, b, scratch).map(|found| found.depth),
     }
+}
+
+/// What was done for a pair before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Searched {
+    Not,
+    /// The lanes found no depth, or refused the pair.
+    InLanes,
 }
 
 /// The same of two shapes of which [`by_frame`] has none.
 pub(super) fn without_frame(
-    accuracy: Accuracy,
+    (accuracy, searched): (Accuracy, Searched),
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     scratch: &mut epa::Scratch,
-) -> Verdict<Depth> {
+) -> Verdict<FoundDepth> {
     if mesh::have_parts(a.shape, b.shape) {
         let is_f32 = accuracy == Accuracy::F32;
         let of_few = match accuracy {
@@ -227,31 +251,36 @@ pub(super) fn without_frame(
         };
         let of_triangles = || open_triangles::depth_of_parts([a, b], scratch);
         if let Some(found) = of_few.or_else(|| is_f32.then(of_triangles).flatten()) {
-            return Verdict::Touching(found);
+            return Verdict::Touching(found.into());
         }
         let pairs = match may_be_deepest(accuracy, [a, b], scratch) {
             Some(parts) => mesh::pairs_of([a, b], &parts),
             None => mesh::touching_parts(a, b, &mut mesh::Scratch::default()),
         };
-        return of_deepest(accuracy, &pairs, [a, b], scratch);
+        return of_deepest(accuracy, &pairs, [a, b], scratch).map(FoundDepth::from);
     }
     if let Some(verdict) = half_space::depth_within(a, b, closed::sharp_of(accuracy)) {
-        return verdict;
+        return verdict.map(FoundDepth::from);
     }
     if let Some(found) = upright(a, b).or_else(|| by_formula(accuracy, a, b)) {
-        return Verdict::Touching(found);
+        return Verdict::Touching(found.into());
     }
     // Of curved shapes at f32 alone; a certified bound is to be as near as a search has it.
     let are_polytopes = a.shape.as_polytope().is_some() && b.shape.as_polytope().is_some();
     if (accuracy == Accuracy::F32 || accuracy == Accuracy::F64 && are_polytopes)
         && let Some(OfTriangle::Deep(found)) = mesh::of_triangle(a, b, tolerance(accuracy))
     {
-        return Verdict::Touching(found);
+        return Verdict::Touching(found.into());
     }
-    let grown = expanding::depth_of_overlap(a, b, accuracy, &mut scratch.surface);
+    let (lanes, surface) = scratch.searches();
+    let in_lanes = |sides: [PosedShape<'_>; 2]| match searched {
+        Searched::Not => lanes.depth(accuracy, sides),
+        Searched::InLanes => None,
+    };
+    let grown = expanding::depth_of_overlap(a, b, accuracy, surface, in_lanes);
     // What the searches below promise.
-    let is_good = |found: &Depth| {
-        accuracy != Accuracy::Certified || found.error_bound <= CERTIFIED * found.depth
+    let is_good = |FoundDepth { depth, .. }: &FoundDepth| {
+        accuracy != Accuracy::Certified || depth.error_bound <= CERTIFIED * depth.depth
     };
     if let Some(found) = grown.filter(is_good) {
         return Verdict::Touching(found);
@@ -260,7 +289,7 @@ pub(super) fn without_frame(
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
             let (a, b) =
                 (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
-            Verdict::Touching(epa::depth_of_overlap(a, b, scratch))
+            Verdict::Touching(epa::depth_of_overlap(a, b, scratch).into())
         }
         // Two half-spaces: hardly ever to be parted at all.
         _ if !(a.shape.reach().is_finite() && b.shape.reach().is_finite()) => {
@@ -268,8 +297,8 @@ pub(super) fn without_frame(
         }
         _ => {
             let sampled = sampled::depth_of_overlap(a, b, scratch);
-            let is_narrower = |grown: &Depth| grown.error_bound <= sampled.error_bound;
-            Verdict::Touching(grown.filter(is_narrower).unwrap_or(sampled))
+            let is_narrower = |grown: &FoundDepth| grown.depth.error_bound <= sampled.error_bound;
+            Verdict::Touching(grown.filter(is_narrower).unwrap_or(sampled.into()))
         }
     }
 }

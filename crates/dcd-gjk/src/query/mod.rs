@@ -56,7 +56,7 @@ pub use within::Within;
 
 pub use crate::simd::CuboidPatch;
 
-pub(crate) use depths::{CERTIFIED, tolerance};
+pub(crate) use depths::CERTIFIED;
 pub(crate) use distances::{
     distance_at_once, distance_of_mesh_within, spheres_are_apart, within_margin,
 };

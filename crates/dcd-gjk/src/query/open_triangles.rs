@@ -4,7 +4,7 @@ use super::depths::{self, tolerance};
 use super::{Accuracy, few_parts};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, AS_DEEP, KnownParts, TouchingTriangle};
-use crate::{PosedShape, PosedSupport, Verdict, expanding};
+use crate::{PosedShape, Verdict};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Part, Polytope, Pose, Shape, SupportMap};
 use std::ops::Range;
@@ -232,20 +232,15 @@ impl<'a> OpenTriangles<'a> {
     }
 
     fn search(&mut self, triangle: Polytope, body: &Body<'_>) -> Option<Depth> {
-        // No formula is left to try of a hull.
-        if self.accuracy == Accuracy::F32 && body.polytope.kind() == Kind::Hull {
-            let sides = [
-                PosedSupport::polytope(&triangle, self.mesh.pose),
-                PosedSupport::polytope(body.polytope, body.side.pose),
-            ];
-            let found =
-                expanding::depth_of_polytopes(sides, Accuracy::F32, &mut self.memory.surface);
-            if found.is_some() {
-                return found;
-            }
-        }
         let shape = Shape::from(triangle);
         let placed = PosedShape { shape: &shape, pose: self.mesh.pose };
+        // No formula is left to try of a hull.
+        if self.accuracy == Accuracy::F32 && body.polytope.kind() == Kind::Hull {
+            let (lanes, _) = self.memory.searches();
+            if let Some(found) = lanes.depth(Accuracy::F32, [placed, body.side]) {
+                return Some(found.depth);
+            }
+        }
         match depths::of_touching(self.accuracy, placed, body.side, self.memory) {
             Verdict::Touching(depth) => Some(depth),
             _ => None,

@@ -57,6 +57,22 @@ pub(crate) struct Core {
     pub(crate) part: u32,
 }
 
+impl Core {
+    /// That of a polytope, without blocks or boxes.
+    pub(super) fn of_polytope(polytope: &Polytope) -> Self {
+        Self {
+            inner: polytope.inner().radius,
+            outer: polytope.outer_radius(),
+            reach: polytope.reach(),
+            radius: polytope.swept_radius(),
+            centre: polytope.inner().centre,
+            is_sphere: is_sphere(polytope),
+            is_straight: matches!(polytope.kind(), Kind::Point | Kind::Segment),
+            ..Self::default()
+        }
+    }
+}
+
 /// Of a compound with more parts than these the lanes know nothing. No unit.
 ///
 /// All parts of one are compared with all of another, sixteen at a time, and each is prepared with
@@ -246,16 +262,7 @@ impl Cores {
     }
 
     fn of_polytope(&mut self, polytope: &Polytope) -> (Core, Option<ObbBoundsF32>) {
-        let core = Core {
-            inner: polytope.inner().radius,
-            outer: polytope.outer_radius(),
-            reach: polytope.reach(),
-            radius: polytope.swept_radius(),
-            centre: polytope.inner().centre,
-            is_sphere: is_sphere(polytope),
-            is_straight: matches!(polytope.kind(), Kind::Point | Kind::Segment),
-            ..Core::default()
-        };
+        let core = Core::of_polytope(polytope);
         let (core, obb) = self.with_blocks(core, polytope.vertices(), polytope.obb());
         let case = match polytope.kind() {
             Kind::Cuboid { half_extents } => case_of(half_extents.to_array()),

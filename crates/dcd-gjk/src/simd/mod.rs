@@ -48,7 +48,7 @@ pub use closed::patches::CuboidPatch;
 pub(crate) use closed::patches::{PatchPoint, Shown, ShownKind};
 pub use decide::Scratch;
 pub use depths::{CoreContact, SimdDepths};
-pub(crate) use depths::{NearCore, depth_of_cuboids};
+pub(crate) use depths::{NearCore, SearchAlone, depth_of_cuboids};
 pub use distances::SimdDistances;
 pub(crate) use form::Purpose;
 pub use frame::{Part, SimdFrame};

@@ -4,9 +4,10 @@ use super::scenes::{Draw, pile, shapes};
 use super::within::found;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Object, Pair, Polytope, Pose, Scene, Shape, SupportMap};
+use dcd_gjk::query::MeasureAt;
 use dcd_gjk::{
     Accuracy, Contact, Depths, DistanceResult, Distances, Manifolds, Overlap, PosedShape,
-    PosedSupport, SimdDepths, SimdDistances, ThenMeasure, WithAccuracy, distance, epa,
+    PosedSupport, SimdDepths, SimdDistances, ThenMeasure, Verdict, WithAccuracy, distance, epa,
 };
 use dcd_simd::Path;
 
@@ -107,6 +108,23 @@ fn depths_on_every_path(
     first.unwrap()
 }
 
+/// What single pairs of a scene have, which touch.
+pub(super) fn alone(
+    accuracy: Accuracy,
+    scene: &Scene,
+    pairs: impl Iterator<Item = Pair>,
+) -> Vec<Contact<epa::Depth>> {
+    let mut scratch = epa::Scratch::default();
+    let measured = pairs.map(|pair| {
+        let [a, b] = [pair.i, pair.j].map(|k| PosedShape::of(scene, k));
+        match Depths.measure_at(accuracy, a, b, &mut scratch) {
+            Verdict::Touching(answer) => Contact { pair, answer },
+            other => panic!("{pair:?} {other:?}"),
+        }
+    });
+    measured.collect()
+}
+
 fn paths() -> impl Iterator<Item = Path> {
     Path::ALL.into_iter().filter(|path| path.is_available())
 }
@@ -129,7 +147,9 @@ fn the_exact_depth_is_within_the_bound_on_every_path_and_all_paths_agree() {
         let truths: Vec<_> = yes.iter().map(|yes| exact(&scene, yes.pair, &mut scratch)).collect();
         for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
             let depths = depths_on_every_path(accuracy, &scene, &pairs);
-            for (Contact { pair, answer }, truth) in depths.iter().zip(&truths) {
+            let alone = alone(accuracy, &scene, yes.iter().map(|yes| yes.pair));
+            let in_turn = depths.iter().chain(&alone);
+            for (Contact { pair, answer }, truth) in in_turn.zip(truths.iter().chain(&truths)) {
                 let (i, j) = (pair.i as usize, pair.j as usize);
                 let apart = scene.poses()[i].translation() - scene.poses()[j].translation();
                 let size =
@@ -240,8 +260,10 @@ fn the_exact_depth_of_rounded_hulls_is_within_the_bound_whether_their_cores_meet
             if truths.is_empty() {
                 truths.extend(depths.iter().map(|found| exact(&scene, found.pair, &mut scratch)));
             }
+            let alone = alone(accuracy, &scene, depths.iter().map(|found| found.pair));
             let (mut rounded, mut open) = (0, 0);
-            for (Contact { pair, answer }, truth) in depths.iter().zip(&truths) {
+            let in_turn = depths.iter().chain(&alone);
+            for (Contact { pair, answer }, truth) in in_turn.zip(truths.iter().chain(&truths)) {
                 let sides = [pair.i, pair.j].map(|k| scene.shape(k as usize));
                 let reach = sides[0].reach() + sides[1].reach();
                 let off = (answer.depth - truth.depth).abs();

@@ -1,11 +1,24 @@
 //! A triangle against the faces and edges of a hull, sixteen at a time.
 
 use super::super::bounds::U;
-use crate::hull_planes::{PRODUCT, Round, SHORTEST};
+use super::round::Round;
 use crate::simd::vector::V3;
 use dcd_geom::glam::Vec3;
 use dcd_geom::{EdgeRow, FaceRow, FeatureRows};
 use dcd_simd::{Block, Kernel, Lanes, Row};
+
+/// What a plane's distance loses, but for the direction of a product of edges. Unit: u·s, u of f32, s at least the length of
+/// every vector between the two shapes. A face 2 for its normal and offset, 5 for one dot product and 10 for
+/// that with an edge, which is at most twice as long as a corner is far, 3 for the sums; a product 7 for the vector, 3 for
+/// the dot product, 5 for the length and the quotient. Smaller: false lower bounds.
+pub(super) const PLANE: f64 = 21.0;
+
+/// What the direction of a product loses. Unit: u of the edge's length and the other's longest by the product's. The two
+/// edges 4 and 2, twice the latter's length for a difference; the product 8; and twice the whole for a direction.
+const PRODUCT: f64 = 32.0;
+
+/// The square of a product's length below which it may lose to underflow. Unit: m⁴. Smaller: false lower bounds.
+const SHORTEST: f32 = 1e-30;
 
 /// Against a hull's faces and edges.
 pub(super) struct HullAxes<'a> {

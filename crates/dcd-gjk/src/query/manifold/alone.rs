@@ -10,8 +10,9 @@ use super::{
 };
 use crate::closed::is_sphere;
 use crate::epa::Depth;
-use crate::query::{Accuracy, FoundDepth, MeasureAt, depths};
-use crate::{ContactList, PosedShape, Verdict, closed, order};
+use crate::query::depths::{self, Searched};
+use crate::query::{Accuracy, FoundDepth, MeasureAt};
+use crate::{ContactList, PosedShape, Verdict, closed, mesh, order};
 use dcd_geom::glam::DVec3;
 
 /// What is known of two convex shapes beside their depth.
@@ -22,12 +23,14 @@ pub(super) enum Known {
     Lowest(Option<u32>),
     /// Where a sphere is from the other shape, in that one's frame: of unit length.
     Outward(DVec3),
+    /// Of two polytopes vertices that are farthest along the normal: see [`FoundDepth::farthest`].
+    Farthest([u32; 2]),
 }
 
 /// What `answer` makes of the depth of two convex shapes, and of what else is known of them.
 #[inline(always)]
 pub(super) fn of_convex<T>(
-    accuracy: Accuracy,
+    (accuracy, searched): (Accuracy, Searched),
     [a, b]: [PosedShape<'_>; 2],
     Scratch { depth, corners, .. }: &mut Scratch,
     answer: impl FnOnce(&Depth, Known, &mut Corners) -> Verdict<T>,
@@ -46,10 +49,12 @@ pub(super) fn of_convex<T>(
     } else if let Some(found) = depths::by_frame(accuracy, a, b) {
         return answer(&found, Known::Nothing, corners);
     }
-    match depths::without_frame(accuracy, a, b, depth) {
+    match depths::without_frame((accuracy, searched), a, b, depth) {
         Verdict::Apart => Verdict::Apart,
         Verdict::Undecided(reason) => Verdict::Undecided(reason),
-        Verdict::Touching(found) => answer(&found, Known::Nothing, corners),
+        Verdict::Touching(FoundDepth { depth, farthest }) => {
+            answer(&depth, farthest.map_or(Known::Nothing, Known::Farthest), corners)
+        }
     }
 }
 
@@ -62,24 +67,29 @@ pub(super) fn of_depth(
     known: Known,
     corners: &mut Corners,
 ) -> Verdict<ManifoldSet> {
-    let (only, lowest) = match known {
-        Known::Nothing => (in_one_point(depth, [a, b]), None),
-        Known::Lowest(lowest) => (of_sphere(depth, [a, b], None), lowest),
-        Known::Outward(outward) => (of_sphere(depth, [a, b], Some(outward)), None),
+    let only = match known {
+        Known::Nothing | Known::Farthest(_) => in_one_point(depth, [a, b]),
+        Known::Lowest(_) => of_sphere(depth, [a, b], None),
+        Known::Outward(outward) => of_sphere(depth, [a, b], Some(outward)),
     };
     if let Some(only) = only {
         return of_one_point(depth, only);
     }
-    of_more_points(depth, [a, b], lowest, corners)
+    of_more_points(depth, [a, b], known, corners)
 }
 
 /// The same of shapes that may touch in more than one point.
 fn of_more_points(
     depth: &Depth,
     [a, b]: [PosedShape<'_>; 2],
-    lowest: Option<u32>,
+    known: Known,
     corners: &mut Corners,
 ) -> Verdict<ManifoldSet> {
+    let (lowest, farthest) = match known {
+        Known::Lowest(lowest) => (lowest, None),
+        Known::Farthest(farthest) => (None, Some(farthest)),
+        _ => (None, None),
+    };
     written(|found| {
         let is_seen =
             Resting::seen(depth, [a, b], lowest, |resting| match resting.in_one_point(depth) {
@@ -87,7 +97,8 @@ fn of_more_points(
                 None => resting.write(depth, found),
             });
         if is_seen.is_none() {
-            write_by_corners(depth, [a, b], corners, found);
+            let known = FoundDepth { depth: *depth, farthest };
+            write_by_corners(&known, [a, b], corners, found);
         }
     })
 }
@@ -113,8 +124,15 @@ pub(super) fn write(
     (contacts, number): (&mut ManifoldContacts, usize),
 ) -> Verdict<()> {
     let [a, b] = sides;
-    if a.shape.as_polytope().is_none() || b.shape.as_polytope().is_none() {
+    let how = (accuracy, Searched::InLanes);
+    if mesh::have_parts(a.shape, b.shape) {
         let measured = solver.measure_at(accuracy, a, b, scratch);
+        return measured.map(|answer| contacts.set(number, answer));
+    }
+    if a.shape.as_polytope().is_none() || b.shape.as_polytope().is_none() {
+        let measured = of_convex(how, sides, scratch, |depth, known, corners| {
+            of_depth(depth, sides, known, corners)
+        });
         return measured.map(|answer| contacts.set(number, answer));
     }
     if let Some(depth) = depths::upright(a, b)
@@ -123,7 +141,7 @@ pub(super) fn write(
         contacts.keep_last(number);
         return Verdict::Touching(());
     }
-    of_convex(accuracy, sides, scratch, |depth, known, corners| {
+    of_convex(how, sides, scratch, |depth, known, corners| {
         write_of_polytopes_alone((depth, known), sides, corners, (contacts, number));
         Verdict::Touching(())
     })
@@ -140,13 +158,17 @@ fn write_of_polytopes_alone(
         Known::Outward(outward) => of_sphere(depth, [a, b], Some(outward)),
         _ => in_one_point(depth, [a, b]),
     };
-    let known = FoundDepth { depth: *depth, farthest: None };
+    let farthest = match known {
+        Known::Farthest(farthest) => Some(farthest),
+        _ => None,
+    };
+    let known = FoundDepth { depth: *depth, farthest };
     if let Some((features, error_bound)) = only {
         contacts.writer().write_witnesses(depth, features, error_bound);
     } else if !write_of_polytopes(&known, a, b, corners, contacts.writer()) {
         contacts.write(number, |set| {
             set.write_one(|found| {
-                write_by_corners(depth, [a, b], corners, found);
+                write_by_corners(&known, [a, b], corners, found);
                 true
             })
         });

@@ -39,6 +39,7 @@ mod surface;
 mod triangle_clip;
 mod upright;
 
+use super::depths::Searched;
 use super::{Accuracy, FoundDepth, FoundPair, MeasureAt, MeasureDepth, PartContact};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, KnownParts, PartIndex};
@@ -232,7 +233,8 @@ impl MeasureAt for Manifolds {
         scratch: &mut Scratch,
     ) -> Verdict<ManifoldSet> {
         if !mesh::have_parts(a.shape, b.shape) {
-            return alone::of_convex(accuracy, [a, b], scratch, |depth, known, corners| {
+            let how = (accuracy, Searched::Not);
+            return alone::of_convex(how, [a, b], scratch, |depth, known, corners| {
                 alone::of_depth(depth, [a, b], known, corners)
             });
         }
@@ -402,21 +404,21 @@ fn write_of_two(
         return;
     }
     if !on_plane::write(depth, [a, b], found) {
-        write_by_corners(depth, [a, b], corners, found);
+        write_by_corners(&FoundDepth::from(*depth), [a, b], corners, found);
     }
 }
 
 /// The same by what the shapes show along the normal.
 fn write_by_corners(
-    depth: &Depth,
+    known: &FoundDepth,
     [a, b]: [PosedShape<'_>; 2],
     corners: &mut Corners,
     found: &mut Manifold,
 ) {
-    let known = FoundDepth { depth: *depth, farthest: None };
-    if write_of_polytopes(&known, a, b, corners, found) {
+    if write_of_polytopes(known, a, b, corners, found) {
         return;
     }
+    let depth = &known.depth;
     if order::is_swapped(a, b) {
         write_in_order(&depth.mirrored(), [b, a], corners, found);
         found.mirror();

@@ -34,6 +34,7 @@ mod wide;
 mod witness;
 
 use crate::expanding::Surface;
+use crate::simd::SearchAlone;
 use crate::{PosedSupport, Verdict, exact, order};
 use answer::{Answer, Certainty};
 use apart::Gap;
@@ -100,6 +101,15 @@ pub struct Scratch {
     hull: Hull,
     dots: Vec<f64>,
     pub(crate) surface: Surface,
+    /// Made where it is first of use: it is large.
+    in_lanes: Option<Box<SearchAlone>>,
+}
+
+impl Scratch {
+    /// The search in lanes, and the surface of the one in f64.
+    pub(crate) fn searches(&mut self) -> (&mut SearchAlone, &mut Surface) {
+        (&mut **self.in_lanes.get_or_insert_default(), &mut self.surface)
+    }
 }
 
 /// Whether two placed polytopes touch, and how deep.

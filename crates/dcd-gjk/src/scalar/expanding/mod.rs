@@ -28,8 +28,7 @@ use crate::closed::curved;
 use crate::distance::{Approach, approach, proposed, rounded_up};
 use crate::epa::Depth;
 use crate::gjk::unit;
-use crate::hull_planes;
-use crate::query::Accuracy;
+use crate::query::{Accuracy, FoundDepth};
 use crate::supports::{InBlocks, lowest};
 use crate::{Difference, PosedShape, PosedSupport, Vertex, order};
 use confirm::is_certified;
@@ -106,15 +105,17 @@ impl Tolerance {
 }
 
 /// How deep two convex shapes overlap that are known to touch; `None` where f64 finds no bound as good
-/// as the accuracy requires, and for shapes without a support map.
+/// as the accuracy requires, and for shapes without a support map. Where no formula tells and no radii alone overlap, `in_lanes` is
+/// asked first.
 ///
-/// (a, b) and (b, a) give the same bits, mirrored.
+/// (a, b) and (b, a) give the same bits, mirrored, if they do of `in_lanes`.
 pub(crate) fn depth_of_overlap(
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     accuracy: Accuracy,
     surface: &mut Surface,
-) -> Option<Depth> {
+    in_lanes: impl FnOnce([PosedShape<'_>; 2]) -> Option<FoundDepth>,
+) -> Option<FoundDepth> {
     let has_support = |shape: &Shape| shape.is_convex() && shape.is_bounded();
     if !has_support(a.shape) || !has_support(b.shape) {
         return None;
@@ -127,19 +128,22 @@ pub(crate) fn depth_of_overlap(
             [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)],
             accuracy,
             surface,
+            || in_lanes([a, b]),
         ),
         _ => {
             let bodies =
                 [PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose)];
             let tolerance = tolerance.of_curved();
-            curved::depth_of_centre(a, b, [tolerance.relative, tolerance.of_size]).or_else(|| {
+            let of_centre = curved::depth_of_centre(a, b, [tolerance.relative, tolerance.of_size]);
+            of_centre.map(FoundDepth::from).or_else(|| {
                 let points = curved::nearest_points(a, b).map(|found| found.points);
                 // For f32's few digits the points of the surface cost no more.
                 let finish: Option<Finish<Shape>> = match accuracy {
                     Accuracy::F32 => None,
                     _ => Some(by_pieces),
                 };
-                of_supports(bodies, tolerance, points, || None, (surface, finish))
+                let in_lanes = || in_lanes([a, b]);
+                of_supports(bodies, tolerance, points, in_lanes, (surface, finish))
             })
         }
     }?;
@@ -164,14 +168,14 @@ fn by_pieces(
     search.by_pieces(bounds, surface, from)
 }
 
-/// Of cores that may overlap `by_formula` first.
+/// Of cores that may overlap what is quicker `first`.
 fn of_supports<S: InBlocks>(
     bodies: [PosedSupport<'_, S>; 2],
     tolerance: Tolerance,
     points: Option<[DVec3; 2]>,
-    by_formula: impl FnOnce() -> Option<Depth>,
+    first: impl FnOnce() -> Option<FoundDepth>,
     (surface, finish): (&mut Surface, Option<Finish<S>>),
-) -> Option<Depth> {
+) -> Option<FoundDepth> {
     let [a, b] = bodies;
     let difference = Difference::new(a, b)?;
     let search = ExpandingSearch { difference, bodies, tolerance };
@@ -185,33 +189,31 @@ fn of_supports<S: InBlocks>(
             // Where they may overlap, by no more than that direction shows: its bound counts it.
             let found = search.of_nearest_points(&bounds, &near);
             if near.lower > 0.0 || found.is_some() {
-                return found;
+                return found.map(FoundDepth::from);
             }
         }
     }
-    by_formula().or_else(|| search.of_overlapping_cores(&bounds, surface, finish))
+    first().or_else(|| search.of_overlapping_cores(&bounds, surface, finish).map(FoundDepth::from))
 }
 
 /// [`depth_of_overlap`] of polytopes in the order that they are given in: where f64 leaves too much open, in double-double.
-pub(crate) fn depth_of_polytopes(
+fn depth_of_polytopes(
     bodies: [PosedSupport<'_, Polytope>; 2],
     accuracy: Accuracy,
     surface: &mut Surface,
-) -> Option<Depth> {
-    let by_planes = || match accuracy {
-        Accuracy::Certified => None,
-        Accuracy::F64 | Accuracy::F32 => hull_planes::depth(bodies),
-    };
+    in_lanes: impl FnOnce() -> Option<FoundDepth>,
+) -> Option<FoundDepth> {
     let tolerance = Tolerance::of(accuracy);
-    let found = of_supports(bodies, tolerance, None, by_planes, (&mut *surface, None));
+    let found = of_supports(bodies, tolerance, None, in_lanes, (&mut *surface, None));
     let is_sharp = bodies.iter().all(|body| body.map.swept_radius() == 0.0);
     if accuracy != Accuracy::Certified || !is_sharp {
         return found;
     }
-    found.filter(is_certified).or_else(|| {
+    found.filter(|found| is_certified(&found.depth)).or_else(|| {
         let difference = Difference::new(bodies[0], bodies[1])?;
         let search = ExpandingSearch { difference, bodies, tolerance: Tolerance::of(accuracy) };
-        search.depth_by_surface(&Bounds::of(&search.difference), surface)
+        let found = search.depth_by_surface(&Bounds::of(&search.difference), surface);
+        found.map(FoundDepth::from)
     })
 }
 

@@ -1,6 +1,6 @@
 //! The search beside the exact one, and its bound where that is hard to get.
 
-use super::{ExpandingSearch, Surface, Tolerance, depth_of_overlap};
+use super::{ExpandingSearch, Surface, Tolerance};
 use crate::Difference;
 use crate::certificate::Bounds;
 use crate::query::Accuracy;
@@ -40,6 +40,16 @@ impl Draw {
         };
         if self.unit() < 0.3 { shape.swept(0.2 * self.unit()).unwrap() } else { shape }
     }
+}
+
+/// The search in f64 alone.
+fn depth_of_overlap(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    accuracy: Accuracy,
+    surface: &mut Surface,
+) -> Option<epa::Depth> {
+    super::depth_of_overlap(a, b, accuracy, surface, |_| None).map(|found| found.depth)
 }
 
 /// The exact search's word, if the two touch.

@@ -18,7 +18,7 @@ use dcd_geom::{Kind, Polytope};
 use dcd_simd::{Block, Lanes};
 
 /// A hull with more blocks of vertices is searched in f64. Blocks of sixteen.
-const BLOCKS: usize = 16;
+pub(super) const BLOCKS: usize = 16;
 
 /// How many faces may be the nearest to f32's knowledge: what is more goes to the search in f64. Two are the rule where
 /// edges cross.
@@ -36,7 +36,8 @@ const ROUNDED: f64 = 64.0 * f64::EPSILON / 2.0;
 #[derive(Clone, Copy)]
 pub(super) struct Side<'a> {
     pub(super) core: &'a Core,
-    /// Its vertices in the world's axes, round its centre.
+    /// Its vertices in the world's axes, round its centre: of a cylinder or cone those of a hull inside it, of which proposals
+    /// are made.
     pub(super) blocks: &'a [Block],
     pub(super) placed: PosedShape<'a>,
 }
@@ -46,7 +47,11 @@ impl<'a> Side<'a> {
     #[inline(always)]
     fn body(&self) -> Option<Body<'a>> {
         let body = Body::of(self.placed.shape)?;
-        (1..=BLOCKS).contains(&self.blocks.len()).then_some(body)
+        let is_known = match body {
+            Body::Polytope(_) => (1..=BLOCKS).contains(&self.blocks.len()),
+            Body::Curved(_) => true,
+        };
+        is_known.then_some(body)
     }
 }
 

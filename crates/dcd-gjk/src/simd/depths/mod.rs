@@ -4,6 +4,7 @@
 //! nearest are measured again in f64, where the depth and its bound come from (docs/numerics/proofs.md, "Depth by a
 //! surface in f32"). What is not known as well as the accuracy requires is measured by the solver itself.
 
+mod alone;
 mod answers;
 mod apart;
 mod confirm;
@@ -20,6 +21,7 @@ mod straight;
 mod surface;
 mod vectors;
 
+pub(crate) use alone::SearchAlone;
 pub(super) use points::Points;
 pub use straight::CoreContact;
 pub(crate) use straight::NearCore;

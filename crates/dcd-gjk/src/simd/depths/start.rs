@@ -68,7 +68,7 @@ impl Starts {
 /// The points farthest along the axes.
 // No array is mapped here: what that calls would be compiled for no path.
 #[inline(always)]
-fn extremes<L: Lanes>(l: L, points: &Points<'_>) -> Extremes {
+pub(super) fn extremes<L: Lanes>(l: L, points: &Points<'_>) -> Extremes {
     let mut extremes = Extremes::default();
     for axis in 0..3 {
         let (most, least) = match points {

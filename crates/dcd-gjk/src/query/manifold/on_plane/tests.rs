@@ -72,7 +72,7 @@ fn what_rests_on_a_plane_does_so_where_the_general_way_has_it() {
         let searched = Resting::seen(&depth, sides, None, |resting| resting.part.name());
         assert_eq!(known, searched, "round {round}");
         of_vertex += usize::from(lowest.is_some());
-        write_by_corners(&depth, sides, &mut Corners::default(), &mut due);
+        write_by_corners(&depth.into(), sides, &mut Corners::default(), &mut due);
         assert_eq!(
             (found.normal, found.points.len()),
             (due.normal, due.points.len()),

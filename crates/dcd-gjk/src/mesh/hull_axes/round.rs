@@ -4,7 +4,7 @@ use dcd_geom::FeatureRows;
 
 /// The vertices at which the way takes one edge of the other shape.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Round {
+pub(super) struct Round {
     /// The vertices at which it goes forth along the edge, and back.
     forth: u64,
     back: u64,
@@ -16,7 +16,7 @@ impl Round {
     /// Takes in a row of the hull's edges, by the lanes in which the way across them goes forth, and back. Round an edge's
     /// other end it goes the other way.
     #[inline(always)]
-    pub(crate) fn add(&mut self, rows: &FeatureRows, row: usize, [forth, back]: [u32; 2]) {
+    pub(super) fn add(&mut self, rows: &FeatureRows, row: usize, [forth, back]: [u32; 2]) {
         self.count += forth.count_ones() + back.count_ones();
         for (mut set, is_forth) in [(forth, true), (back, false)] {
             while set != 0 {
@@ -33,7 +33,7 @@ impl Round {
     /// The vertices at which it goes forth once more than back, and back once more than forth; `None` where it may do either
     /// more than once.
     #[inline(always)]
-    pub(crate) fn vertices(&self) -> Option<[u64; 2]> {
+    pub(super) fn vertices(&self) -> Option<[u64; 2]> {
         let is_once = |set: u64| set.count_ones() == self.count;
         (is_once(self.forth) && is_once(self.back))
             .then_some([self.forth & !self.back, self.back & !self.forth])

@@ -2,41 +2,33 @@
 
 use dcd_geom::glam::DVec3;
 use dcd_geom::{FeatureRows, Polytope};
-use dcd_simd::prefetch_few;
 
 /// A hull that has rows.
 #[derive(Clone, Copy)]
-pub(crate) struct HullFeatures<'a> {
-    pub(crate) hull: &'a Polytope,
-    pub(crate) rows: &'a FeatureRows,
+pub(super) struct HullFeatures<'a> {
+    pub(super) hull: &'a Polytope,
+    pub(super) rows: &'a FeatureRows,
 }
 
 impl<'a> HullFeatures<'a> {
     /// `None` of what is not solid, or has many vertices.
-    pub(crate) fn of(hull: &'a Polytope) -> Option<Self> {
+    pub(super) fn of(hull: &'a Polytope) -> Option<Self> {
         Some(Self { hull, rows: hull.feature_rows()? })
     }
 
-    /// Prefetches the rows, which a pair by itself looks through from the first to the last: a hint. Triangles of a mesh find
-    /// them in the cache.
-    pub(super) fn prefetch(&self) {
-        prefetch_few::<8, _>(&self.rows.faces);
-        prefetch_few::<8, _>(&self.rows.edges);
-    }
-
-    pub(crate) fn vertex(&self, k: usize) -> DVec3 {
+    pub(super) fn vertex(&self, k: usize) -> DVec3 {
         self.hull.vertices()[k] - self.hull.inner().centre
     }
 
     /// Where an edge begins, and what leads to its end.
-    pub(crate) fn edge(&self, edge: usize) -> Option<[DVec3; 2]> {
+    pub(super) fn edge(&self, edge: usize) -> Option<[DVec3; 2]> {
         let [from, to] = self.rows.edge_vertices(edge)?.map(|end| end as usize);
         // Not from the centre: a short edge would lose more than u of its length.
         Some([self.vertex(from), self.hull.vertices()[to] - self.hull.vertices()[from]])
     }
 
     /// How far it reaches along a direction.
-    pub(crate) fn reach(&self, direction: DVec3) -> f64 {
+    pub(super) fn reach(&self, direction: DVec3) -> f64 {
         let mut most = f64::NEG_INFINITY;
         for vertex in self.hull.vertices() {
             let along = direction.dot(*vertex);
@@ -46,7 +38,7 @@ impl<'a> HullFeatures<'a> {
     }
 
     /// Whether a point of the plane of a face with those corners is in it.
-    pub(crate) fn is_in_face(&self, corners: &[u32], normal: DVec3, at: DVec3) -> bool {
+    pub(super) fn is_in_face(&self, corners: &[u32], normal: DVec3, at: DVec3) -> bool {
         let Some(&last) = corners.last() else { return false };
         let mut from = self.vertex(last as usize);
         corners.iter().all(|&corner| {
@@ -59,7 +51,7 @@ impl<'a> HullFeatures<'a> {
 }
 
 /// Which shares of two vectors, from where they begin, lead to where the lines along them are nearest to each other.
-pub(crate) fn shares([from, along, on, across]: [DVec3; 4]) -> [f64; 2] {
+pub(super) fn shares([from, along, on, across]: [DVec3; 4]) -> [f64; 2] {
     let product = along.cross(across);
     let (square, vector) = (product.length_squared(), from - on);
     [-vector.cross(across).dot(product) / square, -vector.cross(along).dot(product) / square]
