@@ -260,6 +260,11 @@ impl Polytope {
     fn derived_facets(&self) -> &Facets {
         let found = || match (self.kind, &*self.vertices) {
             (Kind::Triangle, &[a, b, c]) => Facets::of_triangle([a, b, c]),
+            (Kind::Cuboid { half_extents }, vertices) if is_thin(half_extents) => {
+                // A cube's faces have the same corners and normals. On a lattice those of a plate would be one.
+                let cube: Vec<DVec3> = vertices.iter().map(|vertex| vertex.signum()).collect();
+                Facets::of(&cube)
+            }
             _ => Facets::of(&self.vertices),
         };
         self.facets.get_or_init(found)
@@ -334,6 +339,16 @@ impl Polytope {
 /// From how many vertices on a polytope keeps them in f32 as well. Smaller: memory for shapes whose supports are as
 /// quick without.
 const MIN_VERTICES_IN_BLOCKS: usize = WIDTH / 2 + 1;
+
+/// The least half extent of a cuboid whose faces are those of its vertices, relative to the largest: [`Facets`] sees them on a
+/// lattice of 2⁻³⁸ of the extent. Smaller: opposite faces that are taken for one.
+const THIN: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// Whether a cuboid that is not flat is thinner than that.
+fn is_thin(half_extents: DVec3) -> bool {
+    let least = half_extents.min_element();
+    least > 0.0 && least < THIN * half_extents.max_element()
+}
 
 /// From how many of those blocks on supports are sought in them. Smaller: what is saved is less than a kernel costs. No
 /// effect on any answer.

@@ -25,7 +25,7 @@ use dcd_simd::Path;
 /// Of compounds and meshes it is the depth of the deepest pair of parts, which is less than what
 /// separates the whole.
 ///
-/// Some four microseconds for hulls of tens of vertices, some more where f64 does not know nine digits, ten to twenty
+/// Some three microseconds for hulls of tens of vertices, some more where f64 does not know nine digits, ten to twenty
 /// where double-double does not either; of spheres, capsules and cuboids, nearly always by formula, less than one; some
 /// ten for cylinders and cones, some hundred for foreign shapes.
 ///

@@ -2,7 +2,7 @@
 
 use super::scenes::{Draw, pile, shapes};
 use super::within::found;
-use dcd_geom::glam::DVec3;
+use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Object, Pair, Polytope, Pose, Scene, Shape, SupportMap};
 use dcd_gjk::query::MeasureAt;
 use dcd_gjk::{
@@ -123,6 +123,65 @@ pub(super) fn alone(
         }
     });
     measured.collect()
+}
+
+/// How far the points of a depth are from differing by it along its normal.
+fn missed(found: &epa::Depth) -> f64 {
+    (found.point_a - found.point_b - found.normal * found.depth).length()
+}
+
+#[test]
+fn points_are_along_the_normal_where_faces_all_but_lie_in_one_plane() {
+    // Two wedges, an edge of one in a face of the other but for 1e-7.
+    let corner = |k: u32| {
+        let sign = |bit: u32| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
+        DVec3::new(1.0, 1e-3 * sign(0), 1e-7 * sign(1))
+    };
+    let ends = [-1e-3, 1e-3].map(|y| DVec3::new(0.0, y, 0.0));
+    let wedge = Shape::hull((0..4).map(corner).chain(ends).collect()).unwrap();
+    let half_turn = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, -1.0));
+    let turn = DMat3::from_cols_array(&[
+        -0.9999999999996989,
+        4.365558646481551e-7,
+        6.4150524660713e-7,
+        4.3655574467203865e-7,
+        0.9999999999998872,
+        -1.870229421839235e-7,
+        -6.415053282530199e-7,
+        -1.8702266213106658e-7,
+        -0.9999999999997767,
+    ]);
+    let place = DVec3::new(-1.625149205684424e-8, 0.0, 1.8702350779165045e-10);
+    let poses = [(half_turn, DVec3::ZERO), (turn, place)]
+        .map(|(turn, place)| Pose::from_matrix(turn, place).unwrap());
+    let wedges = Scene::one_each(vec![wedge.clone(), wedge], poses.to_vec()).unwrap();
+    // A small hull in a large flat one, one of whose points is inside of its outline.
+    let points = |all: &[[f64; 3]]| all.iter().map(|&point| DVec3::from(point)).collect();
+    let small = points(&[
+        [0.0, 1.0, 1.0],
+        [-1.0, -1.0, 1.0],
+        [0.0, 0.0, 2.0],
+        [-1.0, -2.0, 2.0],
+        [-2.0, 1.0, 0.0],
+    ]);
+    let flat = points(&[[-2e5, -2e5, 0.0], [2e5, 2e5, 0.0], [-1e5, -1e5, 0.0], [0.0, 0.0, 0.0]]);
+    let third = DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y);
+    let poses = [(half_turn, DVec3::ZERO), (third, DVec3::new(2.0, -2.0, -1.0))]
+        .map(|(turn, place)| Pose::from_matrix(turn, place).unwrap());
+    let shapes = [small, flat].map(|points| Shape::hull(points).unwrap());
+    let needle = Scene::one_each(shapes.to_vec(), poses.to_vec()).unwrap();
+    let pairs = [Pair::new(0, 1)];
+    for (scene, size) in [(wedges, 2.0), (needle, 3e5)] {
+        for (accuracy, most) in
+            [(Accuracy::F32, 1e-5), (Accuracy::F64, 2e-9), (Accuracy::Certified, 2e-9)]
+        {
+            let in_lanes = depths_on_every_path(accuracy, &scene, &pairs);
+            let alone = alone(accuracy, &scene, pairs.into_iter());
+            for Contact { answer, .. } in in_lanes.iter().chain(&alone) {
+                assert!(missed(answer) <= most * size, "{accuracy:?} {answer:?}");
+            }
+        }
+    }
 }
 
 fn paths() -> impl Iterator<Item = Path> {

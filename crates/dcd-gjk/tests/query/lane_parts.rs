@@ -4,7 +4,10 @@ use super::scenes::all_pairs;
 use super::within::found;
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Pose, Scene, Shape};
-use dcd_gjk::{Accuracy, Depths, Manifolds, PairSolver, PosedShape, SimdDepths, Verdict};
+use dcd_gjk::query::MeasureAt;
+use dcd_gjk::{
+    Accuracy, Depths, ManifoldSet, Manifolds, PairSolver, PosedShape, SimdDepths, Verdict,
+};
 
 const ACCURACIES: [Accuracy; 3] = [Accuracy::F32, Accuracy::F64, Accuracy::Certified];
 
@@ -82,7 +85,18 @@ fn table_on(leg: &Shape, off: f64) -> Shape {
     Shape::compound(legs.into_iter().chain([board]).collect()).unwrap()
 }
 
-/// How many points the manifolds of a table, 1 mm deep in the ground, have in a world that is turned so.
+/// The manifolds of the first two objects of a scene: those that the lanes find, and those of the pair by itself.
+pub(super) fn manifolds(scene: &Scene, accuracy: Accuracy) -> [ManifoldSet; 2] {
+    let solver = Manifolds::default();
+    let in_lanes = found(&SimdDepths::new(solver, accuracy), scene, &all_pairs(2)).0;
+    let [a, b] = [0, 1].map(|k| PosedShape::of(scene, k));
+    match solver.measure_at(accuracy, a, b, &mut Default::default()) {
+        Verdict::Touching(alone) => [in_lanes[0].answer.clone(), alone],
+        other => panic!("{accuracy:?} {other:?}"),
+    }
+}
+
+/// How many points, at least, the manifolds of a table, 1 mm deep in the ground, have in a world that is turned so.
 fn points_of(
     table: &Shape,
     (ground, top): (&Shape, f64),
@@ -93,9 +107,10 @@ fn points_of(
     let on = Pose::new(about, turn * DVec3::new(0.1, 0.2, -0.001)).unwrap();
     let below = Pose::new(turn, turn * DVec3::Z * -top).unwrap();
     let scene = Scene::one_each(vec![table.clone(), ground.clone()], vec![on, below]).unwrap();
-    let manifolds = SimdDepths::new(Manifolds::default(), accuracy);
-    let sets = found(&manifolds, &scene, &all_pairs(2)).0;
-    sets[0].answer.iter().map(|manifold| manifold.points().len()).sum()
+    let points =
+        |set: &ManifoldSet| set.iter().map(|manifold| manifold.points().len()).sum::<usize>();
+    let [in_lanes, alone] = manifolds(&scene, accuracy).each_ref().map(points);
+    in_lanes.min(alone)
 }
 
 #[test]
@@ -134,16 +149,20 @@ fn every_leg_of_a_table_has_a_point_whatever_the_legs_and_the_ground_are() {
 
 #[test]
 fn a_table_stands_on_four_legs_at_every_accuracy() {
+    let cuboid = |half| Shape::cuboid(half).unwrap();
+    stands_on_four_legs(&cuboid(DVec3::new(0.05, 0.05, 0.25)), &cuboid(DVec3::new(5.0, 5.0, 0.5)));
+    stands_on_four_legs(&hull(DVec3::new(0.05, 0.05, 0.25)), &hull(DVec3::new(5.0, 5.0, 0.5)));
+}
+
+fn stands_on_four_legs(leg: &Shape, floor: &Shape) {
     let leg = |x: f64, y: f64| {
         let place = DVec3::new(0.45 * x, 0.45 * y, 0.25);
-        let shape = Shape::cuboid(DVec3::new(0.05, 0.05, 0.25)).unwrap();
-        (shape, Pose::from_translation(place).unwrap())
+        (leg.clone(), Pose::from_translation(place).unwrap())
     };
     let top = Shape::cuboid(DVec3::new(0.5, 0.5, 0.05)).unwrap();
     let top = (top, Pose::from_translation(DVec3::Z * 0.5).unwrap());
     let legs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| leg(x, y));
     let table = Shape::compound([vec![top], legs.to_vec()].concat()).unwrap();
-    let floor = Shape::cuboid(DVec3::new(5.0, 5.0, 0.5)).unwrap();
     for k in 0..200 {
         let turn = DQuat::from_rotation_z(0.03 * f64::from(k));
         let at = DVec3::new(0.01 * f64::from(k) - 1.0, 0.3, -0.003);
@@ -151,10 +170,9 @@ fn a_table_stands_on_four_legs_at_every_accuracy() {
         let poses = vec![Pose::new(turn, at).unwrap(), below];
         let scene = Scene::one_each(vec![table.clone(), floor.clone()], poses).unwrap();
         for accuracy in ACCURACIES {
-            let manifolds = SimdDepths::new(Manifolds::default(), accuracy);
-            let sets = found(&manifolds, &scene, &all_pairs(2)).0;
-            let set = &sets[0].answer;
-            assert_eq!((set.len(), set[0].points().len()), (1, 4), "{k} {accuracy:?} {set:?}");
+            for set in manifolds(&scene, accuracy) {
+                assert_eq!((set.len(), set[0].points().len()), (1, 4), "{k} {accuracy:?} {set:?}");
+            }
         }
     }
 }

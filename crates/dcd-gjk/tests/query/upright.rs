@@ -1,6 +1,7 @@
 //! Cuboids along the world's axes whose numbers are whole, times a power of two: whether they touch, are within a margin, and
 //! how deep they overlap are comparisons of whole numbers.
 
+use super::lane_parts::manifolds;
 use super::scenes::Draw;
 use super::within::found;
 use dcd_geom::glam::{DMat3, DVec3};
@@ -127,4 +128,23 @@ fn upright_cuboids_are_near_and_deep_as_whole_numbers_say() {
         counts[3] += pairs.iter().filter(|pair| of(pair).into_iter().max() == Some(0)).count();
     }
     assert!(counts.iter().all(|&count| count > 30), "{counts:?}");
+}
+
+#[test]
+fn a_plate_has_four_points_however_thin_it_is() {
+    for power in [10, 29, 30, 31, 36, 37, 38, 60, 300] {
+        let half = DVec3::new(1.0, 1.0, 2f64.powi(-power));
+        let shapes = [Shape::cuboid(half).unwrap(), Shape::cuboid(DVec3::ONE).unwrap()];
+        for turn in turns() {
+            let poses = [DVec3::ZERO, DVec3::new(0.5, 0.0, 1.0)]
+                .map(|place| Pose::from_matrix(turn, turn * place).unwrap());
+            let scene = Scene::one_each(shapes.to_vec(), poses.to_vec()).unwrap();
+            for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+                for set in manifolds(&scene, accuracy) {
+                    let points: usize = set.iter().map(|manifold| manifold.points().len()).sum();
+                    assert_eq!((set.len(), points), (1, 4), "{power} {accuracy:?} {set:?}");
+                }
+            }
+        }
+    }
 }

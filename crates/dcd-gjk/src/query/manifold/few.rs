@@ -83,6 +83,11 @@ fn write_in_order(
     couple.touching((at, Wanted::All), memory, |pair, depth| {
         found.push(Found { pair, depth, is_open: true });
     })?;
+    if at == Accuracy::F32 {
+        for Found { pair, depth, .. } in &mut *found {
+            *depth = sharpened(couple.posed(*pair)?.0, *depth);
+        }
+    }
     Patches { framed: &framed, parts: &couple, found, corners }.write_all(set)
 }
 
@@ -343,6 +348,18 @@ fn rest(sides: [PosedShape<'_>; 2], depth: &Depth) -> Option<f64> {
     (more <= NEAR * diameters).then(|| more.max(0.0))
 }
 
+/// A bound that f64 has, relative to the parts' diameters: what is known as well is not looked at again. No bound depends on it.
+const KNOWN: f64 = 1e-12;
+
+/// At least the sum of the diameters of two polytopes; `None` of other shapes.
+fn diameters_of([a, b]: [PosedShape<'_>; 2]) -> Option<f64> {
+    let of = |shape: &Shape| {
+        let polytope = shape.as_polytope()?;
+        Some(2.0 * (polytope.outer_radius() + polytope.swept_radius()))
+    };
+    Some(of(a.shape)? + of(b.shape)?)
+}
+
 /// How far two polytopes reach past each other along a unit vector: metres.
 struct Reach {
     along: f64,
@@ -364,14 +381,17 @@ impl Reach {
         let of_b = farthest(in_b, b.pose.rotation().transpose() * -normal);
         let along = (of_a + of_b) - normal.dot(delta) + radius;
         let lost = REACH * (in_a.reach() + in_b.reach() + delta.norm1() + radius);
-        let diameters = 2.0 * (in_a.outer_radius() + in_b.outer_radius() + radius);
-        Some(Self { along, lost, diameters })
+        Some(Self { along, lost, diameters: diameters_of([a, b])? })
     }
 }
 
-/// A depth that f32 knows, as far as f64 sees its parts reach past each other along its normal: the corners of a patch are as deep as
+/// A depth that f32 alone knows, as far as f64 sees its parts reach past each other along its normal: the corners of a patch are as deep as
 /// that, and parts that rest on one plane are of one patch. The bound counts how far it is from what was.
 fn sharpened(sides: [PosedShape<'_>; 2], found: Depth) -> Depth {
+    let is_sharp = |diameters: f64| found.error_bound <= KNOWN * diameters;
+    if diameters_of(sides).is_none_or(is_sharp) {
+        return found;
+    }
     let Some(Reach { along, lost, .. }) = Reach::of(sides, found.normal) else { return found };
     let depth = along.max(0.0);
     let error_bound = found.error_bound + (depth - found.depth).abs() + lost;

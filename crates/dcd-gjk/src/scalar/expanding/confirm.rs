@@ -33,6 +33,10 @@ pub(crate) struct Ending<'a> {
 /// face is 1. Larger: no face for a normal that rounding has turned. Smaller: witnesses by a face that is seen edge on.
 pub(crate) const FACING: f64 = 0.5;
 
+/// How far the points of a depth may be from differing by it along its normal. Unit: lengths of a difference, which is no larger
+/// than 1. Larger: points beside the objects. Smaller: more pairs that are searched in f64.
+const BESIDE: f64 = 1e-9;
+
 /// The depth of polytopes that are known to touch, if it is confirmed as well as the accuracy requires; and their vertices
 /// farthest along its normal. Of swept ones the search was of the cores: `None` where these are not proved to overlap.
 pub(crate) fn confirmed_depth(
@@ -74,7 +78,8 @@ pub(crate) fn confirmed_depth(
     let error = (upper - along).max(along - lower) + (bounds.swept_upper() - radius);
     let depth = along + radius;
     // What is not good enough needs no witnesses.
-    let points = search.tolerance.is_met(depth, error).then(|| search.leaving(&faces, direction));
+    let points = || search.leaving(&faces, direction, along);
+    let points = search.tolerance.is_met(depth, error).then(points).flatten();
     let found = points.and_then(|points| search.depth_of(depth, error, points, direction));
     let farthest = Some([farthest.a.feature, farthest.b.feature]);
     let found = found.map(|depth| FoundDepth { depth, farthest });
@@ -106,11 +111,16 @@ impl ExpandingSearch<'_, Polytope> {
         Vertex { w: self.difference.world(a.point, b.point), a, b }
     }
 
-    /// The points of the two cores where a direction from the origin leaves the faces: by the one that it passes by
-    /// the least.
-    pub(super) fn leaving(&self, faces: &[NearFace], direction: DVec3) -> [DVec3; 2] {
+    /// The points of the two cores where a direction from the origin leaves the faces, which is so far away: by the one that
+    /// it passes by the least. `None` where that is none of these faces.
+    pub(super) fn leaving(
+        &self,
+        faces: &[NearFace],
+        direction: DVec3,
+        reach: f64,
+    ) -> Option<[DVec3; 2]> {
         let mut best = f64::NEG_INFINITY;
-        let mut points = [DVec3::NAN; 2];
+        let (mut points, mut way) = ([DVec3::NAN; 2], DVec3::NAN);
         for NearFace { corners: [p, q, r], .. } in faces {
             let area = (q.w - p.w).cross(r.w - p.w);
             // Seen edge on, the weights are rounding.
@@ -132,9 +142,12 @@ impl ExpandingSearch<'_, Polytope> {
                     |p: DVec3, q: DVec3, r: DVec3| p * weights.x + q * weights.y + r * weights.z;
                 points =
                     [mean(p.a.point, q.a.point, r.a.point), mean(p.b.point, q.b.point, r.b.point)];
+                way = mean(p.w, q.w, r.w);
             }
         }
+        let missed = (way - direction * (reach / direction.length())).length();
         let [a, b] = &self.bodies;
-        [a.pose.apply(points[0]), b.pose.apply(points[1])]
+        // False for NaN.
+        (missed <= BESIDE).then(|| [a.pose.apply(points[0]), b.pose.apply(points[1])])
     }
 }

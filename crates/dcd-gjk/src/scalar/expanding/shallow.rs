@@ -115,7 +115,7 @@ impl ExpandingSearch<'_, Polytope> {
         // The depth that is reported is the reach, so that the bound from below is the farther one.
         let error = reach.minus(&lower).plus(&off).to_f64();
         let direction = unit::<f64>(normal.to_array())?;
-        let points = self.leaving(faces, direction);
+        let points = self.leaving(faces, direction, reach.to_f64())?;
         let depth = self.depth_within(AS_EXACT, reach.to_f64(), error, points, direction)?;
         Some(FoundDepth { depth, farthest: Some(farthest) })
     }

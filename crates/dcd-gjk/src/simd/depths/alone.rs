@@ -29,6 +29,11 @@ impl SearchAlone {
         accuracy: Accuracy,
         sides: [PosedShape<'_>; 2],
     ) -> Option<FoundDepth> {
+        let are_polytopes = sides.iter().all(|side| side.shape.as_polytope().is_some());
+        // Rims are known to f32 alone: nothing need be turned to see it.
+        if accuracy != Accuracy::F32 && !are_polytopes {
+            return None;
+        }
         let Self { surface, blocks } = self;
         dispatch(Unfused(Search { accuracy, sides, surface, blocks }))
     }
