@@ -357,3 +357,46 @@ fn spheres_are_as_far_or_deep_as_points_with_radii() {
     }
     assert!(touching > 1000 && apart > 1000, "{touching} {apart}");
 }
+
+#[test]
+fn poses_off_rotations_leave_no_wide_bounds() {
+    let (mut draw, mut counts) = (Draw(75), [0; 2]);
+    for k in 0..1200 {
+        let scale = 10f64.powi(k % 5);
+        let half = draw.vector().abs() * scale + 0.4;
+        let round = match k % 2 {
+            0 => Polytope::sphere(0.3).unwrap(),
+            _ => Polytope::segment(DVec3::ZERO, draw.vector() * 0.2).unwrap().rounded(0.3).unwrap(),
+        };
+        let off = DVec3::ONE + draw.vector() * [1e-6, 1e-7, 1e-9][k as usize / 5 % 3];
+        let turn = DMat3::from_quat(draw.rotation()) * DMat3::from_diagonal(off);
+        // Beside a face by a little, or into it.
+        let gap = 1e-3 * draw.unit();
+        let place = DVec3::new(0.3 * half.x, 0.2 * half.y, half.z + 0.3 + gap);
+        let cuboid = Polytope::cuboid(half).unwrap();
+        let from = draw.vector();
+        let poses =
+            [DVec3::ZERO, place].map(|place| Pose::from_matrix(turn, turn * place + from).unwrap());
+        let case = Case::new([cuboid, round], poses);
+        let size = case.size + (poses[0].translation() - poses[1].translation()).length();
+        let truth = case.depth(&case.shapes, Accuracy::Certified);
+        counts[usize::from(truth.is_some())] += 1;
+        for accuracy in [Accuracy::F32, Accuracy::F64] {
+            let (found, truth) = match truth {
+                Some(truth) => {
+                    let found = case.depth(&case.shapes, accuracy).unwrap();
+                    ([found.depth, found.error_bound], [truth.depth, truth.error_bound])
+                }
+                None => {
+                    let of = |accuracy| case.distance(&case.shapes, accuracy);
+                    let both = [accuracy, Accuracy::Certified].map(of);
+                    both.map(|found| [found.distance, found.error_bound]).into()
+                }
+            };
+            let what = format!("{k} {accuracy:?} {found:?} {truth:?} of {size}");
+            assert!((found[0] - truth[0]).abs() <= found[1] + truth[1], "{what}");
+            assert!(found[1] <= 1e-6 * size, "{what}");
+        }
+    }
+    assert!(counts.iter().all(|&count| count > 300), "{counts:?}");
+}

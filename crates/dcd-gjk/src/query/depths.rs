@@ -16,8 +16,8 @@ use dcd_simd::Path;
 /// How deep a pair overlaps, where, and with what bound: see [`Depth`].
 ///
 /// A touching pair always has its depth, exact touching included (0). Between polytopes, rounded
-/// or not, the bound is at most 1e-9 of the depth but for 1e-22 of the pair's size, or 1e-16 of rounded ones, and nothing is
-/// undecided; nor against a half-space, out of which the shortest way is along its normal (two of
+/// or not, the bound is at most 1e-9 of the depth but for 1e-22 of the pair's size, of rounded ones 1e-16, and 1e-13 where these are
+/// flat and nearly parallel; nothing is undecided; nor against a half-space, out of which the shortest way is along its normal (two of
 /// them have no depth: [`Reason::Range`]). With another shape the depth is that of polytopes inside
 /// the shapes, which grow where it is decided, bounded from above by the shapes' own supports; a
 /// pair is undecided where [`certified::overlap_of`] is.

@@ -3,7 +3,7 @@
 
 use crate::{PosedShape, PosedSupport};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Mesh, Polytope, Pose, Shape, SupportMap};
+use dcd_geom::{CurvedKind, Kind, Mesh, Polytope, Pose, Shape, SupportMap};
 use std::cmp::Ordering;
 
 /// The pair in its order. Where both are equal the order is as given, and cannot matter.
@@ -56,8 +56,14 @@ fn shapes(a: &Shape, b: &Shape) -> Ordering {
         (None, Some(_)) => Ordering::Greater,
         // All that a foreign map provides: lengths, and how far it reaches.
         (None, None) => numbers([a.radius(), a.support_error()], [b.radius(), b.support_error()])
-            .then_with(|| vectors(ends(a), ends(b))),
+            .then_with(|| vectors(ends(a), ends(b)))
+            .then_with(|| is_cone(a).cmp(&is_cone(b))),
     }
+}
+
+/// Without a radius a cone reaches as far as a cylinder.
+fn is_cone(shape: &Shape) -> bool {
+    matches!(shape, Shape::Curved(curved) if curved.kind() == CurvedKind::Cone)
 }
 
 fn meshes(a: &Mesh, b: &Mesh) -> Ordering {
@@ -83,6 +89,8 @@ fn polytopes(a: &Polytope, b: &Polytope) -> Ordering {
         .total_cmp(&b.swept_radius())
         .then_with(|| a.vertices().len().cmp(&b.vertices().len()))
         .then_with(|| vectors(a.vertices().iter().copied(), b.vertices().iter().copied()))
+        // A cuboid, and the hull of its corners: what has a formula is measured otherwise.
+        .then_with(|| (a.kind() == Kind::Hull).cmp(&(b.kind() == Kind::Hull)))
 }
 
 fn vectors(a: impl IntoIterator<Item = DVec3>, b: impl IntoIterator<Item = DVec3>) -> Ordering {

@@ -1,10 +1,12 @@
 //! (a, b) and (b, a) at places where much is equally near or deep: rounded shapes along the world's axes on a lattice.
 
 use super::PosedSupport;
+use super::lane_depths::alone;
+use super::lane_parts::manifolds;
 use super::scenes::{Draw, all_pairs, in_both_orders};
 use super::within::found;
 use dcd_geom::glam::{DQuat, DVec3};
-use dcd_geom::{Object, Pair, Pose, Scene, Shape};
+use dcd_geom::{Object, Pair, Polytope, Pose, Scene, Shape};
 use dcd_gjk::query::MeasureAt;
 use dcd_gjk::{Accuracy, Contact, Depths, Manifolds, SimdDepths, SimdDistances, Verdict};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -170,26 +172,57 @@ fn compounds_whose_deepest_parts_are_spheres_are_mirrored() {
         let objects = [object(turn, places[0]), object(other, places[usize::from(k % 2)])];
         let scenes = in_both_orders(vec![shape.clone()], objects.to_vec());
         for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
-            let said = format!("{k} {accuracy:?}");
-            let depths = SimdDepths::new(Depths, accuracy);
-            let [one, other] =
-                scenes.each_ref().map(|scene| found(&depths, scene, &all_pairs(2)).0);
-            let (one, other) = (one[0].answer, other[0].answer);
+            are_mirrored(&scenes, accuracy, &format!("{k} {accuracy:?}"));
+        }
+    }
+}
+
+#[test]
+fn shapes_of_the_same_vertices_are_mirrored_whatever_they_are_called() {
+    let hull_of = |shape: &Shape| {
+        let polytope = shape.as_polytope().unwrap();
+        let hull = Shape::hull(polytope.vertices().to_vec()).unwrap();
+        hull.swept(polytope.swept_radius()).unwrap()
+    };
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::new(0.3, 0.8, 0.1)];
+    let [ends @ .., _] = corners;
+    let shapes = [
+        Shape::cuboid(DVec3::new(0.5, 0.4, 0.3)),
+        Shape::from(Polytope::segment(ends[0], ends[1]).unwrap()).swept(0.2),
+        Shape::triangle(corners),
+        Shape::sphere(0.4),
+    ];
+    let named = shapes.map(|shape| shape.unwrap());
+    let with_hulls = named.iter().map(|shape| [shape.clone(), hull_of(shape)]);
+    let rods = [Shape::cylinder(0.4, 0.0), Shape::cone(0.4, 0.0)].map(Result::unwrap);
+    let turn = DQuat::from_scaled_axis(DVec3::new(0.3, -1.1, 0.7));
+    let pose = Pose::new(turn.normalize(), DVec3::new(1.0, 2.0, 3.0)).unwrap();
+    for (k, shapes) in with_hulls.chain([rods]).enumerate() {
+        let scenes =
+            in_both_orders(shapes.to_vec(), vec![Object::new(0, pose), Object::new(1, pose)]);
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            are_mirrored(&scenes, accuracy, &format!("{k} {accuracy:?}"));
+        }
+    }
+}
+
+/// Whether two objects are as deep in each other as the other way round, in scenes in both orders and by themselves.
+fn are_mirrored(scenes: &[Scene; 2], accuracy: Accuracy, said: &str) {
+    let depths = SimdDepths::new(Depths, accuracy);
+    let in_lanes = scenes.each_ref().map(|scene| found(&depths, scene, &all_pairs(2)).0[0].answer);
+    let alone =
+        scenes.each_ref().map(|scene| alone(accuracy, scene, all_pairs(2).into_iter())[0].answer);
+    for [one, other] in [in_lanes, alone] {
+        assert_eq!(one.normal, -other.normal, "{said}");
+        assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a), "{said}");
+    }
+    let [one, other] = scenes.each_ref().map(|scene| manifolds(scene, accuracy));
+    for (one, other) in one.iter().zip(&other) {
+        assert_eq!(one.len(), other.len(), "{said}");
+        for (one, other) in one.iter().zip(other.iter()) {
             assert_eq!(one.normal, -other.normal, "{said}");
-            assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a), "{said}");
-            let manifolds = SimdDepths::new(Manifolds::default(), accuracy);
-            let both = scenes.each_ref().map(|scene| found(&manifolds, scene, &all_pairs(2)).0);
-            let [one, other] = both.each_ref().map(|found| &found[0].answer);
-            assert_eq!(one.len(), other.len(), "{said}");
-            for (one, other) in one.iter().zip(other.iter()) {
-                assert_eq!(one.normal, -other.normal, "{said}");
-                for (one, other) in one.points().iter().zip(other.points()) {
-                    assert_eq!(
-                        (one.point_a, one.point_b),
-                        (other.point_b, other.point_a),
-                        "{said}"
-                    );
-                }
+            for (one, other) in one.points().iter().zip(other.points()) {
+                assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a), "{said}");
             }
         }
     }

@@ -84,8 +84,23 @@ pub(crate) fn overlap(
 /// promised of a distance.
 pub(crate) const SHARP: f64 = 1e-13;
 
-/// Whatever a formula leaves open is taken: some 40 · 2⁻⁵³ of the pair's size, more beside needles.
+/// What a formula leaves open is taken up to [`WIDEST`]: some 40 · 2⁻⁵³ of the pair's size, more beside needles.
 pub(crate) const AS_F64: f64 = f64::INFINITY;
+
+/// The widest bound of a formula in f64 that is taken, relative to the pair's size: of poses that are far from rotations it may be
+/// wider than that of a search. Larger: wider bounds. Smaller: more searches.
+const WIDEST: f64 = 1e-6;
+
+/// Whether a bound is no wider.
+fn is_narrow(
+    error_bound: f64,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+) -> bool {
+    let apart = a.pose.translation().distance(b.pose.translation());
+    // False for NaN.
+    error_bound <= WIDEST * (a.map.reach() + b.map.reach() + apart)
+}
 
 /// The bound, relative to itself, that a formula may leave at an accuracy.
 pub(crate) fn sharp_of(accuracy: Accuracy) -> f64 {
@@ -131,7 +146,7 @@ pub(crate) fn depth(
         (Kind::Point, Kind::Point) => {
             spheres::depth(a, b, sharp).or_else(|| segments::depth(a, b, sharp))
         }
-        _ => segments::depth(a, b, sharp),
+        _ => segments::depth(a, b, sharp).filter(|found| is_narrow(found.error_bound, a, b)),
     }
 }
 
@@ -162,6 +177,9 @@ pub(crate) fn distance(
         (Kind::Point, Kind::Point) => {
             spheres::distance(a, b, sharp).or_else(|| segments::distance(a, b, sharp))
         }
-        _ => segments::distance(a, b, sharp),
+        _ => segments::distance(a, b, sharp).filter(|found| match found {
+            DistanceResult::Apart(found) => is_narrow(found.error_bound, a, b),
+            _ => true,
+        }),
     }
 }
