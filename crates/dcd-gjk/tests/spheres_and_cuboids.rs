@@ -368,7 +368,7 @@ fn poses_off_rotations_leave_no_wide_bounds() {
             0 => Polytope::sphere(0.3).unwrap(),
             _ => Polytope::segment(DVec3::ZERO, draw.vector() * 0.2).unwrap().rounded(0.3).unwrap(),
         };
-        let off = DVec3::ONE + draw.vector() * [1e-6, 1e-7, 1e-9][k as usize / 5 % 3];
+        let off = DVec3::ONE + draw.vector() * [4e-7, 1e-7, 1e-9][k as usize / 5 % 3];
         let turn = DMat3::from_quat(draw.rotation()) * DMat3::from_diagonal(off);
         // Beside a face by a little, or into it.
         let gap = 1e-3 * draw.unit();
