@@ -27,6 +27,17 @@ pub(super) enum Known {
     Farthest([u32; 2]),
 }
 
+impl Known {
+    /// A depth with the vertices that are known to be farthest.
+    fn with(self, depth: &Depth) -> FoundDepth {
+        let farthest = match self {
+            Self::Farthest(farthest) => Some(farthest),
+            _ => None,
+        };
+        FoundDepth { depth: *depth, farthest }
+    }
+}
+
 /// What `answer` makes of the depth of two convex shapes, and of what else is known of them.
 #[inline(always)]
 pub(super) fn of_convex<T>(
@@ -85,10 +96,9 @@ fn of_more_points(
     known: Known,
     corners: &mut Corners,
 ) -> Verdict<ManifoldSet> {
-    let (lowest, farthest) = match known {
-        Known::Lowest(lowest) => (lowest, None),
-        Known::Farthest(farthest) => (None, Some(farthest)),
-        _ => (None, None),
+    let lowest = match known {
+        Known::Lowest(lowest) => lowest,
+        _ => None,
     };
     written(|found| {
         let is_seen =
@@ -97,8 +107,7 @@ fn of_more_points(
                 None => resting.write(depth, found),
             });
         if is_seen.is_none() {
-            let known = FoundDepth { depth: *depth, farthest };
-            write_by_corners(&known, [a, b], corners, found);
+            write_by_corners(&known.with(depth), [a, b], corners, found);
         }
     })
 }
@@ -158,11 +167,7 @@ fn write_of_polytopes_alone(
         Known::Outward(outward) => of_sphere(depth, [a, b], Some(outward)),
         _ => in_one_point(depth, [a, b]),
     };
-    let farthest = match known {
-        Known::Farthest(farthest) => Some(farthest),
-        _ => None,
-    };
-    let known = FoundDepth { depth: *depth, farthest };
+    let known = known.with(depth);
     if let Some((features, error_bound)) = only {
         contacts.writer().write_witnesses(depth, features, error_bound);
     } else if !write_of_polytopes(&known, a, b, corners, contacts.writer()) {
