@@ -24,10 +24,10 @@ pub(crate) enum Recipe {
 
 /// The scenes of a report: name, objects of a full run and of a quick one.
 const SCENES: [(&str, usize, usize); 7] = [
-    ("paper", 10_000, 1_000),
-    ("sparse", 10_000, 2_000),
-    ("game-hulls", 10_000, 2_000),
-    ("boxes", 20_000, 2_000),
+    ("paper", 10_000, 500),
+    ("sparse", 10_000, 1_000),
+    ("game-hulls", 10_000, 1_000),
+    ("boxes", 20_000, 1_000),
     ("bricks", 10_000, 1_000),
     ("bricks-apart", 10_000, 1_000),
     ("bricks-overlapping", 10_000, 1_000),

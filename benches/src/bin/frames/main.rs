@@ -28,7 +28,7 @@ struct Line {
 }
 
 /// The scenes that walk, their objects, and those of a quick run.
-const SCENES: [(&str, usize, usize); 2] = [("paper", 10_000, 1_000), ("sparse", 100_000, 5_000)];
+const SCENES: [(&str, usize, usize); 2] = [("paper", 10_000, 500), ("sparse", 100_000, 2_000)];
 
 /// Standard deviations of a step along and about each axis, metres and rad: from rest on.
 const SIGMAS: [f64; 5] = [0.0, 1e-4, 1e-3, 3e-3, 1e-2];

@@ -10,27 +10,27 @@ use crate::scattered::Scattered;
 
 /// The seeded scenes, each with its objects in full and with --quick: those whose shapes Parry has too.
 const SCENES: [(&str, usize, usize); 11] = [
-    ("paper", 3000, 300),
-    ("sparse", 10_000, 1000),
-    ("boxes", 10_000, 1000),
-    ("cuboids", 10_000, 1000),
+    ("paper", 3000, 150),
+    ("sparse", 10_000, 400),
+    ("boxes", 10_000, 400),
+    ("cuboids", 10_000, 400),
     ("spheres", 10_000, 1000),
-    ("mixed", 10_000, 1000),
-    ("plates", 5000, 500),
-    ("needles", 5000, 500),
-    ("clustered", 5000, 500),
-    ("game-hulls", 5000, 500),
-    ("bricks", 4000, 400),
+    ("mixed", 10_000, 400),
+    ("plates", 5000, 200),
+    ("needles", 5000, 200),
+    ("clustered", 5000, 200),
+    ("game-hulls", 5000, 200),
+    ("bricks", 4000, 200),
 ];
 
 /// Hulls that have come to rest on a slab and on each other.
-const PILE: (&str, usize, usize) = ("pile", 2000, 200);
+const PILE: (&str, usize, usize) = ("pile", 2000, 100);
 
 /// Of every kind of [`Scattered`].
-const SCATTERED: (&str, usize, usize) = ("", 2000, 200);
+const SCATTERED: (&str, usize, usize) = ("", 2000, 100);
 
 /// A mesh under so many bodies.
-const TERRAIN: (&str, usize, usize) = ("terrain", 2000, 500);
+const TERRAIN: (&str, usize, usize) = ("terrain", 2000, 200);
 
 /// How long a pile falls, frames: three seconds.
 const FALLING: usize = 180;

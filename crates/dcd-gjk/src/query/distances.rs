@@ -4,7 +4,7 @@ use super::{Accuracy, MeasureAt, check_margin, few_parts};
 use crate::closed;
 use crate::distance::{Distance, DistanceResult, distance, distance_at};
 use crate::mesh::Limited;
-use crate::{Method, PairSolver, PosedShape, Verdict, certified, mesh};
+use crate::{Method, PairSolver, PosedShape, Verdict, certified, mesh, order};
 use dcd_geom::{Aabb, Shape, ShapeError, Sphere};
 
 /// How far apart pairs are, and between which points, for those within a margin: "touching" is
@@ -104,15 +104,18 @@ impl MeasureAt for Distances {
     }
 }
 
-/// The distance of a sphere, a half-space or a compound of few parts and another, at the accuracies of f32 and f64; at that of f32 also
-/// of a mesh and another that is no mesh, and of a capsule and a capsule or cuboid. `None` of others, and where that leaves open whether they
-/// touch.
+/// The distance of two spheres; at the accuracies of f32 and f64 also of a sphere, a half-space or a compound of few parts and another;
+/// at that of f32 also of a mesh and another that is no mesh, and of a capsule and a capsule or cuboid. `None` of others, and where that
+/// leaves open whether they touch.
 #[inline]
 pub(crate) fn distance_at_once(
     at: Accuracy,
     a: PosedShape<'_>,
     b: PosedShape<'_>,
 ) -> Option<DistanceResult> {
+    if let Some(found) = distance_of_two_spheres(at, a, b) {
+        return Some(found);
+    }
     if at == Accuracy::Certified {
         return None;
     }
@@ -125,6 +128,22 @@ pub(crate) fn distance_at_once(
         (Shape::HalfSpace(_), _) | (_, Shape::HalfSpace(_)) => closed::level::distance(at, a, b),
         (Shape::Mesh(_), _) | (_, Shape::Mesh(_)) => known(distance_of_mesh(at, [a, b], f64::MAX)?),
         _ => closed::gap(at, a, b)?.distance(),
+    }
+}
+
+/// Of two spheres round the origins of their own frames; `None` of others, and where that leaves open whether they touch.
+#[inline]
+fn distance_of_two_spheres(
+    at: Accuracy,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+) -> Option<DistanceResult> {
+    let [of_a, of_b] = closed::two_spheres(a, b)?;
+    let sharp = closed::sharp_of(at);
+    if order::is_swapped(a, b) {
+        closed::distance_of_spheres([of_b, of_a], sharp).map(DistanceResult::mirrored)
+    } else {
+        closed::distance_of_spheres([of_a, of_b], sharp)
     }
 }
 
