@@ -123,7 +123,7 @@ impl RigidMotion {
     fn deviation(&self, radius: f64) -> [f64; 2] {
         let arms = radius + 2.0 * length(self.centre);
         let at_start = self.start.translation().length() + arms;
-        let per_time = length(self.linear) + arms * length(self.angular);
+        let per_time = speed(self.linear) + arms * speed(self.angular);
         [POSE * U * at_start, POSE * U * per_time]
     }
 }
@@ -196,7 +196,9 @@ pub fn rotation_from_sin_cos(axis: DVec3, [sin, cos]: [f64; 2]) -> DMat3 {
 /// A tolerance below some 1e-13 of their size, of how far they are from the world's origin and of how far they have moved
 /// and turned by then leaves them undecided where they come near. Shapes that come that near and never touch may be free or hit;
 /// those that touch are never free. Of compounds, meshes and half-spaces too: for those any gap counts, whatever its
-/// direction. A half-space that turns is undecided.
+/// direction, so that what slides along them may need more advances than a search has, and be undecided. So is a half-space that
+/// turns, and what moves by less than some 1e-150 a unit of t where it comes near. An `until` or a tolerance that is no number
+/// proves nothing; before an `until` below 0 nothing is met.
 ///
 /// ```
 /// use dcd_geom::{Pose, Shape, glam::DVec3};
@@ -343,11 +345,11 @@ impl Closing {
     fn along(&self, normal: DVec3) -> f64 {
         let n = normal.normalize();
         if !self.turns() {
-            return n.dot(self.linear) + 64.0 * U * self.linear.length();
+            return n.dot(self.linear) + 64.0 * U * speed(self.linear);
         }
         let turning: f64 =
-            self.angular.iter().zip(&self.radii).map(|(w, r)| n.cross(*w).length() * r).sum();
-        let sizes = self.linear.length() + self.turning();
+            self.angular.iter().zip(&self.radii).map(|(w, r)| speed(n.cross(*w)) * r).sum();
+        let sizes = speed(self.linear) + self.turning();
         // What cancels is rounded by parts of the speeds themselves.
         n.dot(self.linear) + turning + 64.0 * U * sizes
     }
@@ -367,20 +369,22 @@ impl Closing {
     fn bending(&self, axis: DVec3) -> f64 {
         let n = axis.normalize();
         let of_side = |(w, r): (&DVec3, &f64)| {
-            let speed = w.length();
+            let fast = speed(*w);
             // What cancels in the product is rounded by parts of its factors.
-            (n.cross(*w).length() + 64.0 * U * speed) * speed * r
+            (speed(n.cross(*w)) + 64.0 * U * fast) * fast * r
         };
-        self.angular.iter().zip(&self.radii).map(of_side).sum::<f64>() * (1.0 + 64.0 * U)
+        let bending = self.angular.iter().zip(&self.radii).map(of_side).sum::<f64>();
+        let hidden = if bending > 0.0 { f64::MIN_POSITIVE } else { 0.0 };
+        bending * (1.0 + 64.0 * U) + hidden
     }
 
     /// In any direction.
     fn at_most(&self) -> f64 {
-        (self.linear.length() + self.turning()) * (1.0 + 64.0 * U)
+        (speed(self.linear) + self.turning()) * (1.0 + 64.0 * U)
     }
 
     fn turning(&self) -> f64 {
-        self.angular.iter().zip(&self.radii).map(|(w, r)| w.length() * r).sum()
+        self.angular.iter().zip(&self.radii).map(|(w, r)| speed(*w) * r).sum()
     }
 }
 
@@ -389,8 +393,14 @@ fn length(v: DVec3) -> f64 {
     if v == DVec3::ZERO { 0.0 } else { v.length() }
 }
 
-/// What an underflow of squared lengths hides, metres, and more.
+/// What an underflow of squared lengths hides, metres or metres or rad a unit of t, and more. Larger: slower motions that are
+/// undecided. Smaller: shapes that are said to be free and meet.
 const UNDERFLOW: f64 = 1e-150;
+
+/// At most how fast that is, but for rounding: squares of slow motions underflow.
+fn speed(v: DVec3) -> f64 {
+    if v == DVec3::ZERO { 0.0 } else { v.length() + UNDERFLOW }
+}
 
 /// Within which distance of the centre all points of the core are, metres; its pose may stretch it a little. 0
 /// of what does not turn and has no end: only the bounds of a turning shape use it. What is swept round the core is a ball,

@@ -287,8 +287,8 @@ impl Robot {
                 origin: *origin,
             }));
         }
-        self.pad_against_itself(world)?;
         self.parts.extend(parts);
+        self.pad_against_itself(world)?;
         Ok(self)
     }
 }
@@ -306,15 +306,20 @@ impl Robot {
         for part in &mut self.parts {
             let name = &self.links[part.link].name;
             if let Some(padding) = world.padding.get(name).filter(|p| p.against_robot) {
-                part.shape = padded_shape(padding, &part.shape, name)?;
+                part.shape = padded_shape(padding, part, name)?;
             }
         }
         Ok(())
     }
 }
 
-fn padded_shape(padding: &Padding, shape: &Shape, link: &str) -> Result<Shape, RobotError> {
-    let user = || format!("link {link:?}");
+/// Of a part of a link, or of what the link carries, which is padded as the link is.
+fn padded_shape(padding: &Padding, part: &Part, link: &str) -> Result<Shape, RobotError> {
+    let user = || match &part.object {
+        Some(carried) => format!("attached object {carried:?}"),
+        None => format!("link {link:?}"),
+    };
+    let shape = &part.shape;
     if !padding.suits(shape) {
         let why = "a shape that is known by its support map alone has no scale".to_owned();
         return Err(RobotError::Refused { user: user(), why });
@@ -325,11 +330,11 @@ fn padded_shape(padding: &Padding, shape: &Shape, link: &str) -> Result<Shape, R
 /// The parts that the world alone pads, and their shapes when padded.
 fn padded(robot: &Robot, world: &World) -> Result<(Vec<usize>, Vec<Shape>), RobotError> {
     let (mut parts, mut shapes) = (Vec::new(), Vec::new());
-    for (index, part) in robot.parts().iter().enumerate().filter(|(_, p)| p.object.is_none()) {
+    for (index, part) in robot.parts().iter().enumerate() {
         let name = &robot.links()[part.link].name;
         if let Some(padding) = world.padding.get(name).filter(|p| !p.against_robot) {
             parts.push(index);
-            shapes.push(padded_shape(padding, &part.shape, name)?);
+            shapes.push(padded_shape(padding, part, name)?);
         }
     }
     Ok((parts, shapes))

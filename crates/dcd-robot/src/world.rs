@@ -88,10 +88,10 @@ impl Attached {
     }
 }
 
-/// How much larger a link is against the world, and against the robot itself where `against_robot` is set.
+/// How much larger a link and what it carries are against the world, and against the robot itself where `against_robot` is set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Padding {
-    /// What its shapes are multiplied by; above 0.
+    /// What their shapes are multiplied by; above 0.
     pub scale: f64,
     /// What they are grown by on all sides after that, metres; at least 0.
     pub padding: f64,
@@ -156,8 +156,8 @@ impl World {
         Some(self.attached.remove(at))
     }
 
-    /// Makes all links of a robot larger to the world by so much on all sides, metres, added to the padding that
-    /// each has.
+    /// Makes all links of a robot, and what they carry, larger to the world by so much on all sides, metres, added to the padding
+    /// that each has.
     ///
     /// # Errors
     /// A padding that is negative or not finite.

@@ -74,7 +74,11 @@ impl RaySlabs {
         let scale = power(half) * power(exponent - half);
         let inverse =
             scaled.to_array().map(|d| if d.abs() < PARALLEL { 0.0 } else { (1.0 / d) as f32 });
-        let beyond = |x: f64| above(x.clamp(f64::MIN, f64::MAX)).clamp(f32::MIN, f32::MAX);
+        let beyond = |x: f64| {
+            let x = above(x.clamp(f64::MIN, f64::MAX)).clamp(f32::MIN, f32::MAX);
+            // A corner that is no number bounds nothing.
+            if x.is_nan() { f32::MAX } else { x }
+        };
         let mut slabs = Self {
             low: low.to_array().map(|x| -beyond(-x)),
             high: high.to_array().map(beyond),

@@ -409,3 +409,69 @@ fn a_ball_that_spins_is_as_free_and_meets_as_soon_as_one_that_does_not() {
         assert!((plain - 0.01).abs() < 2e-6 && (spinning - plain).abs() < 2e-6);
     }
 }
+
+/// Velocities whose squares underflow, and one whose square does not.
+const SLOW: [f64; 8] = [1e-140, 1e-150, 1e-156, 1e-158, 1e-161, 1e-163, 1e-200, 1e-290];
+
+#[test]
+fn what_moves_so_slowly_that_squares_underflow_is_never_free_where_it_meets() {
+    let ball = Shape::sphere(0.5).unwrap();
+    let corners = vec![DVec3::new(0.0, -1.0, -1.0), DVec3::new(0.0, 1.0, -1.0), DVec3::Z];
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let shapes = [
+        (Shape::mesh(corners, vec![[0, 1, 2]]).unwrap(), 4.5),
+        (Shape::half_space(DVec3::X, 0.0).unwrap(), 4.5),
+        (Shape::compound(vec![(cube.clone(), Pose::IDENTITY)]).unwrap(), 4.0),
+        (cube, 4.0),
+        (ball.clone(), 4.0),
+    ];
+    let rod = Shape::cuboid(DVec3::new(2.0, 0.1, 0.1)).unwrap();
+    let beside = at(DVec3::Y * 1.5);
+    let small = Shape::sphere(0.2).unwrap();
+    let mut hits = 0;
+    let mut check = |found: Impact, truth: f64| {
+        let until = match found {
+            Impact::Free => panic!("{truth}"),
+            Impact::Hit { free_until, .. } => {
+                hits += 1;
+                free_until
+            }
+            Impact::Undecided { free_until } => free_until,
+        };
+        assert!(until <= truth * (1.0 + 1e-9), "{found:?} {truth}");
+    };
+    for v in SLOW {
+        let flies = RigidMotion { linear: DVec3::X * v, ..at(DVec3::X * -5.0) };
+        for (shape, way) in &shapes {
+            let still = at(DVec3::ZERO);
+            check(impact((shape, &flies), (&ball, &still), 10.0 / v), way / v);
+            check(impact((&ball, &still), (shape, &flies), 10.0 / v), way / v);
+        }
+        // The rod's side is 0.3 from the ball's centre where sin(1.5708 − angle) is 0.2.
+        let turns = RigidMotion { angular: DVec3::Z * v, ..at(DVec3::ZERO) };
+        let angle = std::f64::consts::FRAC_PI_2 - (0.3f64 / 1.5).asin();
+        check(impact((&rod, &turns), (&small, &beside), 3.0 / v), angle / v);
+        let moving = MovingShape { shape: &rod, motion: &turns };
+        let swept = moving.swept_aabb(3.0 / v);
+        for share in [0.25, 0.5, 1.0] {
+            let place = rod.aabb(&turns.pose_at(share * 3.0 / v).unwrap());
+            assert!(swept.min.cmple(place.min).all() && swept.max.cmpge(place.max).all(), "{v}");
+        }
+    }
+    assert!(hits > SLOW.len(), "{hits}");
+}
+
+#[test]
+fn a_box_of_an_endless_turn_is_round_all_places() {
+    let shape = Shape::sphere(0.5).unwrap();
+    for centre in [DVec3::ZERO, DVec3::X * 0.1] {
+        let angular = DVec3::new(2.0, 0.0, 1.0);
+        let motion = RigidMotion { linear: DVec3::X, angular, centre, ..at(DVec3::X * -5.0) };
+        let moving = MovingShape { shape: &shape, motion: &motion };
+        let [low, high] = moving.carried_box(f64::MAX).unwrap();
+        let start = shape.aabb(&motion.start);
+        // Written so that NaN holds nothing.
+        assert!(low.cmple(start.min.as_dvec3()).all() && high.cmpge(start.max.as_dvec3()).all());
+        assert!(moving.swept_aabb(f64::MAX).max.x >= 1e30, "{low} {high}");
+    }
+}

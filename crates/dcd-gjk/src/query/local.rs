@@ -8,6 +8,10 @@ use dcd_geom::glam::{DMat3, DVec3};
 /// doubled. Unit: 2⁻⁵³ of the distance and the shape's size. Larger: wider brackets. Smaller: false answers.
 const ROUNDING: f64 = 144.0 * (f64::EPSILON / 2.0);
 
+/// What lengths lose whose squares underflow, and the roots of what closed forms subtract from each other along directions of
+/// 1e-50 and more: metres. Larger: tiny shapes of which nothing is known. Smaller: false answers about them.
+pub(super) const UNDERFLOW: f64 = 1e-110;
+
 /// Up to which deviation a rotation's inverse is its transpose; the deviation is then part of the margin.
 pub(super) const ORTHONORMAL: f64 = 1e-12;
 
@@ -33,7 +37,7 @@ impl LocalPoint {
         let from = point - pose.translation();
         // Lengths of which a shape stretched by its pose is at most 1e-6 longer.
         let sizes = 2.0 * (from.length() + reach);
-        let margin = (ROUNDING + off) * sizes + f64::MIN_POSITIVE;
+        let margin = (ROUNDING + off) * sizes + UNDERFLOW;
         Self { inverse, point: inverse * from, margin }
     }
 }

@@ -1,6 +1,6 @@
 mod carried;
 
-use crate::{LinkShapes, PlanningScene, Robot, RobotError, Srdf, Workcell, World};
+use crate::{Attached, LinkShapes, PlanningScene, Robot, RobotError, Srdf, Workcell, World};
 use dcd_geom::{Pose, Shape};
 use dcd_pipeline::{Par, Pipeline};
 use glam::{DQuat, DVec3};
@@ -302,6 +302,32 @@ fn padding_and_scale_make_links_larger_to_the_world_and_not_to_the_robot() {
     );
     let note = world_of(&sphere("", "link_padding: [{link_name: leg, padding: 1}]")).unwrap().notes;
     assert!(note[0].contains("\"leg\""), "{note:?}");
+}
+
+#[test]
+fn what_a_link_carries_is_padded_and_scaled_as_the_link_is() {
+    // A sphere of 0.4 on the tip, at x = 3: 0.35 from the ball, 0.1 from the arm's own face.
+    let load = Attached::new("load", "tip", [(Shape::sphere(0.4).unwrap(), Pose::IDENTITY)]);
+    let world = |beside: &str| {
+        let text = sphere("", beside).replace("[0, 0, 0.5]", "[4, 0, 0]");
+        let mut world = world_of(&text).unwrap();
+        world.attach(load.clone(), [] as [&str; 0]);
+        world
+    };
+    let at = |beside: &str| touching(&world(beside));
+    assert!(at("").is_empty());
+    assert!(at("link_padding: [{link_name: tip, padding: 0.34}]").is_empty());
+    assert_eq!(at("link_padding: [{link_name: tip, padding: 0.36}]"), [["load", "ball"]]);
+    assert!(at("link_padding: [{link_name: arm, padding: 0.36}]").is_empty());
+    assert!(at("link_scale: [{link_name: tip, scale: 1.87}]").is_empty());
+    assert_eq!(at("link_scale: [{link_name: tip, scale: 1.88}]"), [["load", "ball"]]);
+    for (padding, pairs) in [(0.09, &[][..]), (0.11, &[["arm", "load"]])] {
+        let mut against_itself = world("");
+        against_itself.pad(&arm(), padding).unwrap();
+        against_itself.padding.retain(|link, _| link == "tip");
+        against_itself.padding.values_mut().for_each(|padding| padding.against_robot = true);
+        assert_eq!(touching(&against_itself), pairs, "{padding}");
+    }
 }
 
 #[test]

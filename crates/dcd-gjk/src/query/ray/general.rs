@@ -1,5 +1,6 @@
 //! A ray and any convex shape: a point that moves, by conservative advancement, and a proof of depth behind.
 
+use super::super::local::UNDERFLOW;
 use super::{Ray, RayHit};
 use crate::epa::Scratch;
 use crate::motion::{Impact, MovingShape, RigidMotion, time_of_impact};
@@ -33,7 +34,7 @@ pub(super) fn hit(ray: &Ray, posed: PosedShape<'_>) -> Option<RayHit> {
     // About the shape's own origin, where its size counts and not how far it is from the world's. What the
     // difference loses is the radius of the sphere that moves in place of a point.
     let from = ray.origin() - posed.pose.translation();
-    let away = from.length();
+    let away = from.length() + UNDERFLOW;
     let lost = POINT * away;
     // Nothing of the shape is farther along.
     let end = ray.max_t().min((away + 2.0 * reach) / speed * (1.0 + 1e-9));

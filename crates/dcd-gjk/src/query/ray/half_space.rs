@@ -1,5 +1,6 @@
 //! A ray and a half-space, in the world: a plane's two products with their bounds.
 
+use super::super::local::UNDERFLOW;
 use super::{Ray, RayHit};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{HalfSpace, Pose};
@@ -17,7 +18,7 @@ pub(super) fn hit(ray: &Ray, half_space: &HalfSpace, pose: &Pose) -> Option<RayH
     let grown = half_space.offset() / scale + half_space.swept_radius() * world.length();
     let height = world.dot(from) - grown;
     let sizes = from.length() + half_space.offset().abs() / scale + half_space.swept_radius();
-    let off = ROUNDING * sizes + f64::MIN_POSITIVE;
+    let off = ROUNDING * sizes + UNDERFLOW;
     let rise = world.dot(ray.direction());
     let tilt = ROUNDING * ray.direction().length();
     let fall = |lost: f64| -(rise + lost);

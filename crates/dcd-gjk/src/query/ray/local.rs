@@ -92,6 +92,10 @@ impl LocalRay {
 
     /// A direction in the world, of unit length.
     pub(super) fn in_world(&self, normal: DVec3) -> DVec3 {
-        (self.rotation * normal).normalize_or_zero()
+        let turned = self.rotation * normal;
+        // Of a tiny triangle the square of its area underflows.
+        turned
+            .try_normalize()
+            .unwrap_or_else(|| (turned / turned.abs().max_element()).normalize_or_zero())
     }
 }

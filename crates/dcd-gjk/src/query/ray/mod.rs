@@ -71,6 +71,10 @@ impl std::error::Error for RayError {}
 /// range. No unit.
 const DIRECTIONS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
+/// Directions of which the largest component is in there are taken as they are. No unit. Larger: closed forms of small shapes
+/// underflow.
+const AS_GIVEN: std::ops::Range<f64> = 1e-50..1e50;
+
 impl Ray {
     /// From a point, metres, along a direction of any length, world axes. `max_t` counts in lengths of the
     /// direction and may be infinite.
@@ -129,6 +133,16 @@ impl Ray {
         self.origin + self.direction * t
     }
 
+    /// The same ray along a direction whose largest component is within 1 to 2, and how long one of its lengths is in those of this
+    /// one: a power of two, so that nothing is rounded.
+    fn scaled(&self) -> (Self, f64) {
+        let largest = self.direction.abs().max_element();
+        // The exponent's bits alone.
+        let length = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
+        let (direction, max_t) = (self.direction / length, self.max_t * length);
+        (Self { direction, max_t, ..*self }, length.recip())
+    }
+
     /// What a tree's boxes are tested with.
     pub fn slabs(&self) -> RaySlabs {
         RaySlabs::new(self.origin, self.direction, 0.0)
@@ -170,6 +184,12 @@ impl RayHit {
         facet: None,
         part: None,
     };
+
+    /// The same hit of a ray whose direction is so many times as short.
+    fn in_lengths(self, length: f64) -> Self {
+        let [t, t_lower, t_upper] = [self.t, self.t_lower, self.t_upper].map(|t| t * length);
+        Self { t, t_lower, t_upper, ..self }
+    }
 
     /// Half the width of the bracket round [`RayHit::t`], rounded up.
     pub fn error_bound(&self) -> f64 {
@@ -220,6 +240,16 @@ pub fn for_each_hit(
     limit: f64,
     visit: &mut dyn FnMut(RayHit) -> f64,
 ) {
+    if !AS_GIVEN.contains(&ray.direction.abs().max_element()) {
+        let (scaled, length) = ray.scaled();
+        let mut visit_scaled = |hit: RayHit| visit(hit.in_lengths(length)) / length;
+        return hits(&scaled, posed, limit / length, &mut visit_scaled);
+    }
+    hits(ray, posed, limit, visit);
+}
+
+/// The same along a direction that is not scaled.
+fn hits(ray: &Ray, posed: PosedShape<'_>, limit: f64, visit: &mut dyn FnMut(RayHit) -> f64) {
     match posed.shape {
         Shape::Compound(compound) => {
             let local = LocalRay::of(ray, &posed, compound.reach());

@@ -317,3 +317,69 @@ fn no_part_is_met_before_the_first_hit_though_another_is_surely_met() {
         assert!(hit.t_lower <= 1.0 && hit.t <= 1.0 && !hit.is_certain, "{hit:?}");
     }
 }
+
+/// Sizes, and lengths of directions, of which products underflow; and some of which they do not.
+const TINY: [[f64; 2]; 12] = [
+    [1.0, 1.0],
+    [1e-20, 1e-30],
+    [1e-57, 1e-100],
+    [1e-58, 1e-100],
+    [1e-64, 1e-100],
+    [1e-70, 1e-100],
+    [1e-100, 1e-100],
+    [1e-150, 1e-50],
+    [1e-100, 1e-49],
+    [1e-170, 1.0],
+    [1e-90, 1.0],
+    [1e-60, 1e100],
+];
+
+#[test]
+fn tiny_shapes_and_directions_have_no_false_hit_and_no_bracket_without_the_truth() {
+    let mut certain = 0;
+    for [r, length] in TINY {
+        let corner = |x: f64, y: f64| DVec3::new(0.0, x, y) * (4.0 * r);
+        let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(0.0, 1.0)];
+        let side = 0.75f64.sqrt();
+        for (shape, depth) in [
+            (Shape::sphere(r), side),
+            (Shape::capsule(r, r), side),
+            (Shape::cylinder(r, r), side),
+            (Shape::cuboid(DVec3::splat(r)), 1.0),
+            (Shape::hull(vec![DVec3::ZERO]).and_then(|point| point.rounded(r)), side),
+            (Shape::triangle(corners), 0.0),
+            (Shape::mesh(corners.to_vec(), vec![[0, 1, 2]]), 0.0),
+            (Shape::half_space(DVec3::X, r), -1.0),
+        ] {
+            let shape = shape.unwrap();
+            let posed = PosedShape { shape: &shape, pose: &Pose::IDENTITY };
+            let ray = |side: f64, along: f64| {
+                let from = DVec3::new(1e4 * r, side * r, 0.0);
+                Ray::endless(from, DVec3::X * (along * length)).unwrap()
+            };
+            // Past it at a distance of a hundred, unless it has no end; and away from it.
+            let beside = if shape.is_bounded() { ray(101.0, -1.0) } else { ray(0.0, 1.0) };
+            for missed in [beside, ray(0.0, 1.0)] {
+                let found = first_hit(&missed, posed);
+                assert!(
+                    found.is_none_or(|hit| !hit.is_certain),
+                    "{r:e} {length:e} {shape:?} {found:?}"
+                );
+            }
+            let truth = if shape.is_bounded() { 1e4 - depth } else { 1e4 - 1.0 } * r / length;
+            let Some(hit) = first_hit(&ray(0.5, -1.0), posed) else {
+                panic!("{r:e} {length:e} {shape:?}")
+            };
+            let holds = hit.t_lower <= truth && truth <= hit.t_upper;
+            assert!(holds, "{r:e} {length:e} {shape:?}: {truth:e} {hit:?}");
+            if hit.is_certain {
+                assert!(
+                    (hit.normal.length() - 1.0).abs() < 1e-12,
+                    "{r:e} {length:e} {shape:?} {hit:?}"
+                );
+                certain += 1;
+            }
+        }
+    }
+    assert!(certain > 50, "{certain}");
+}

@@ -237,6 +237,28 @@ fn the_nearest_object_is_that_of_every_object_alone() {
 }
 
 #[test]
+fn a_cast_without_an_end_meets_what_a_spinning_ball_flies_through() {
+    let ball = Shape::sphere(0.5).unwrap();
+    let scene = Scene::one_each(vec![ball.clone()], vec![Pose::IDENTITY]).unwrap();
+    let mut pipeline = Pipeline::new();
+    pipeline.step(&scene, Par::Serial);
+    let queries = pipeline.queries(&scene).unwrap();
+    let start = Pose::from_translation(DVec3::X * -5.0).unwrap();
+    for spin in [0.0, 0.5, 2.0, 1e10] {
+        let at_rest = RigidMotion::at_rest(start);
+        let motion = RigidMotion { linear: DVec3::X, angular: DVec3::X * spin, ..at_rest };
+        let moving = MovingShape { shape: &ball, motion: &motion };
+        for until in [10.0, 1e300, f64::MAX] {
+            let found = queries.cast(moving, until, 1e-6, &QueryFilter::ALL).unwrap();
+            let Some(Impact::Hit { free_until, t, .. }) = found.map(|found| found.impact) else {
+                panic!("{spin} {until}: {found:?}")
+            };
+            assert!(free_until <= 4.0 && (t - 4.0).abs() < 1e-5, "{spin} {until}: {found:?}");
+        }
+    }
+}
+
+#[test]
 fn shape_casts_stop_where_the_first_object_does() {
     let scene = scene(120);
     let mut pipeline = Pipeline::new();

@@ -35,6 +35,12 @@ fn equipped(draw: &mut Draw, round: usize) -> Workcell {
     for link in robot.links() {
         if draw.below(5) == 0 {
             let (scale, padding) = (draw.size(0.8, 1.2), draw.size(0.0, 0.05));
+            // What is known by its support map alone has no scale.
+            let is_foreign = |object: &Attached| {
+                let mut shapes = object.parts.iter().map(|(shape, _)| shape);
+                object.link == link.name && shapes.any(|shape| matches!(shape, Shape::Custom(_)))
+            };
+            let scale = if world.attached.iter().any(is_foreign) { 1.0 } else { scale };
             let against_robot = draw.below(2) == 0;
             world.padding.insert(link.name.clone(), Padding { scale, padding, against_robot });
         }
