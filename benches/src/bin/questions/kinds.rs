@@ -182,7 +182,7 @@ fn measure<S: MeasureAt>(
 
 /// Three queries of two kinds of shape, at every accuracy.
 pub(crate) fn run_kinds(kinds: [usize; 2], seed: u64, effort: Effort) -> Result<Vec<Cross>> {
-    let (count, rounds) = if effort == Effort::Quick { (24, 3) } else { (256, 7) };
+    let (count, rounds) = if effort == Effort::Quick { (8, 1) } else { (256, 7) };
     let mut found = Vec::new();
     for question in [Kind::Distance, Kind::Depth, Kind::Manifold] {
         let scene = scene(kinds, question != Kind::Distance, count, seed)?;
