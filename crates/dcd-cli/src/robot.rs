@@ -38,8 +38,9 @@ A world is a scene of MoveIt as YAML, as ROS or Robowflex write it. Used are: bo
 cylinders, cones and meshes (surfaces without an inside); header.frame_id, which is empty, the \
 frame of the SRDF's virtual joint, a link's at the scene's state, or one of \
 fixed_frame_transforms; joint values, where --state or a request says nothing; the virtual joint's \
-transform; attached objects; link_padding and link_scale of links and what they carry, against the world alone; the allowed \
-collision matrix with its defaults, which counts more than the SRDF; operations add and remove. \
+transform; attached objects; link_padding and link_scale of links and what they carry, against the \
+world alone; the allowed collision matrix with its defaults, which counts more than the SRDF; \
+operations add and remove. \
 Planes, an octomap and other operations are refused. A file whose name ends in .scene is the text that \
 MoveIt and RViz save: objects alone.
 

@@ -393,8 +393,8 @@ fn length(v: DVec3) -> f64 {
     if v == DVec3::ZERO { 0.0 } else { v.length() }
 }
 
-/// What an underflow of squared lengths hides, metres or metres or rad a unit of t, and more. Larger: slower motions that are
-/// undecided. Smaller: shapes that are said to be free and meet.
+/// What an underflow of squares hides, and more: of lengths in metres, of speeds in metres or rad a unit of t. Larger: motions not as
+/// slow that are undecided. Smaller: shapes that are said to be free and meet.
 const UNDERFLOW: f64 = 1e-150;
 
 /// At most how fast that is, but for rounding: squares of slow motions underflow.

@@ -22,18 +22,13 @@ impl MovingShape<'_> {
         let whole = (radius + SupportMap::<f64>::radius(self.shape)).next_up();
         let centre = motion.start.apply(motion.centre);
         let way = (motion.linear.abs() * until).max_element();
-        let turn = speed(motion.angular) * until;
+        // Finite, for a centre at the origin is off by no part of it: infinite times 0 would be a box that nothing meets.
+        let turn = (speed(motion.angular) * until).min(f64::MAX);
         let sizes = motion.start.translation().abs().max_element()
             + whole
             + way
             + centre.abs().max_element();
-        // A turn that is infinite moves no centre that is the origin: no number would be a box that nothing meets.
-        let of_centre = if motion.centre == DVec3::ZERO {
-            0.0
-        } else {
-            2.0 * motion.centre.length() * (1.0 + turn)
-        };
-        let off = ROUNDING * U * (sizes + of_centre);
+        let off = ROUNDING * U * (sizes + 2.0 * motion.centre.length() * (1.0 + turn));
         // A chord of the circle that a point goes along; no less than what the angle's own rounding hides.
         let chord = if motion.angular == DVec3::ZERO { 0.0 } else { radius * turn * (1.0 + 1e-12) };
         let (low, high) = (aabb.min.as_dvec3() - chord, aabb.max.as_dvec3() + chord);

@@ -53,6 +53,22 @@ fn enters(aabb: &Aabb, origin: DVec3, direction: DVec3) -> Option<f64> {
 }
 
 #[test]
+fn a_corner_that_is_no_number_shuts_no_box_out() {
+    let mut boxes = Aabb16::EMPTY;
+    for k in 0..15 {
+        let at = Vec3::new(k as f32, 100.0 * k as f32 - 700.0, -0.5);
+        boxes.set(k, &Aabb { min: at, max: at + 1.0 });
+    }
+    let none = DVec3::splat(f64::NAN);
+    for corners in [[none; 2], [none, DVec3::INFINITY], [DVec3::NEG_INFINITY, none]] {
+        for direction in [DVec3::X, DVec3::NEG_Y, DVec3::new(0.3, -2.0, 1.0)] {
+            let found = keys(&RaySlabs::swept(corners, direction), &boxes);
+            assert!(found[..15].iter().all(|key| key.is_finite()), "{direction}: {found:?}");
+        }
+    }
+}
+
+#[test]
 fn no_box_that_a_ray_meets_is_missed_and_far_ones_are() {
     let (mut state, mut met, mut missed, mut kept) = (1, 0, 0, 0);
     for round in 0..2_000 {

@@ -91,7 +91,7 @@ fn what_f64_leaves_holds_the_nearest_and_the_deepest_part() {
         }
         counts[usize::from(due.is_none())][kind.min(2)] += 1;
     }
-    assert!(counts.as_flattened().iter().all(|&count| count > 0), "{counts:?}");
+    assert!(counts.as_flattened().iter().all(|&count| count > 1), "{counts:?}");
 }
 
 #[test]

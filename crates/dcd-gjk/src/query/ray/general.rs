@@ -1,9 +1,9 @@
 //! A ray and any convex shape: a point that moves, by conservative advancement, and a proof of depth behind.
 
-use super::super::local::UNDERFLOW;
 use super::{Ray, RayHit};
 use crate::epa::Scratch;
 use crate::motion::{Impact, MovingShape, RigidMotion, time_of_impact};
+use crate::query::local::UNDERFLOW;
 use crate::{Depths, PairSolver, PosedShape, Verdict};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Pose, Shape};

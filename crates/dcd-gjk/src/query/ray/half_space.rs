@@ -1,7 +1,7 @@
 //! A ray and a half-space, in the world: a plane's two products with their bounds.
 
-use super::super::local::UNDERFLOW;
 use super::{Ray, RayHit};
+use crate::query::local::UNDERFLOW;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{HalfSpace, Pose};
 

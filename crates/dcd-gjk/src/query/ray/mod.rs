@@ -71,8 +71,8 @@ impl std::error::Error for RayError {}
 /// range. No unit.
 const DIRECTIONS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
-/// Directions of which the largest component is in there are taken as they are. No unit. Larger: closed forms of small shapes
-/// underflow.
+/// A direction whose largest component is in this range is taken as it is; others are scaled. No unit. Larger: closed forms of small
+/// shapes underflow. Smaller: hits that are scaled in vain.
 const AS_GIVEN: std::ops::Range<f64> = 1e-50..1e50;
 
 impl Ray {
@@ -185,7 +185,7 @@ impl RayHit {
         part: None,
     };
 
-    /// The same hit of a ray whose direction is so many times as short.
+    /// The same hit with its times in lengths of another direction, of which one of the ray's own is so many.
     fn in_lengths(self, length: f64) -> Self {
         let [t, t_lower, t_upper] = [self.t, self.t_lower, self.t_upper].map(|t| t * length);
         Self { t, t_lower, t_upper, ..self }
