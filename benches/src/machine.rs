@@ -136,6 +136,10 @@ fn cpu_features() -> Vec<String> {
         note("avx", is_x86_feature_detected!("avx"));
         note("avx2", is_x86_feature_detected!("avx2"));
         note("fma", is_x86_feature_detected!("fma"));
+        note("bmi1", is_x86_feature_detected!("bmi1"));
+        note("bmi2", is_x86_feature_detected!("bmi2"));
+        note("lzcnt", is_x86_feature_detected!("lzcnt"));
+        note("popcnt", is_x86_feature_detected!("popcnt"));
         note("avx512f", is_x86_feature_detected!("avx512f"));
         note("avx512bw", is_x86_feature_detected!("avx512bw"));
         note("avx512dq", is_x86_feature_detected!("avx512dq"));

@@ -38,7 +38,8 @@ use dcd_geom::{Aabb, Pair};
 ///     }
 /// }
 /// // How many listed pairs do not overlap: none, of boxes that all do.
-/// assert_eq!(dcd_broad::contract::broad_phase(&mut AllPairs, &[Aabb::EVERYTHING; 3])?, 0);
+/// let unit = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
+/// assert_eq!(dcd_broad::contract::broad_phase(&mut AllPairs, &[unit; 3])?, 0);
 /// # Ok::<(), dcd_geom::contract::Violation>(())
 /// ```
 pub trait BroadPhase: Send {

@@ -11,7 +11,7 @@ const STACK: usize = 8 * WIDTH;
 type Entry = (f32, u32, u32);
 
 impl WideBvh {
-    /// Calls `visit(index, key)` for each box whose key is at most the limit, nearer nodes first, and takes what it
+    /// Calls `visit(index, key)` for each box whose key is at most the limit and finite, nearer nodes first, and takes what it
     /// returns for the limit from then on; a negative one ends the search. The order depends on the tree and on
     /// the limits alone. Does not allocate.
     pub fn visit(&self, test: &impl BoxTest, limit: f32, visit: &mut dyn FnMut(u32, f32) -> f32) {
@@ -45,7 +45,9 @@ impl<T: BoxTest> Kernel for Visit<'_, T> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { tree, test, mut limit, visit } = self;
+        let Self { tree, test, limit, visit } = self;
+        // An infinite key is that of the empty boxes that fill up a row.
+        let mut limit = limit.min(f32::MAX);
         let mut stack = ArrayVec::<Entry, STACK>::new();
         stack.push((0.0, 0, tree.levels().len() as u32));
         let (mut keys, mut lanes) = (Row::default(), [0; WIDTH]);
@@ -73,7 +75,7 @@ impl<T: BoxTest> Kernel for Visit<'_, T> {
             for &lane in &lanes[..near] {
                 let key = keys.0[lane as usize];
                 if key <= limit {
-                    limit = visit(tree.ids()[node as usize].0[lane as usize], key);
+                    limit = visit(tree.ids()[node as usize].0[lane as usize], key).min(f32::MAX);
                 }
             }
         }

@@ -205,6 +205,7 @@ mod tests {
     use super::*;
     use dcd_exec::Par;
     use dcd_geom::glam::Vec3;
+    use dcd_simd::{BoxTest, Lanes};
 
     /// AABBs on a spiral, of many sizes.
     fn boxes(count: usize) -> Vec<Aabb> {
@@ -239,6 +240,37 @@ mod tests {
     fn behind_the_trait_it_keeps_the_contract() {
         for count in [0, 1, 16, 17, 300, 5000] {
             crate::contract::tree(&WideBuilder, &boxes(count)).unwrap();
+        }
+    }
+
+    #[test]
+    fn queries_without_an_end_meet_each_box_once() {
+        struct AllOrNothing;
+        impl BoxTest for AllOrNothing {
+            #[inline(always)]
+            fn keys<L: Lanes>(&self, l: L, boxes: &Aabb16) -> L::F {
+                let open = l.le(l.load(&boxes.min[0]), l.load(&boxes.max[0]));
+                l.select(open, l.splat(1.0), l.splat(f32::INFINITY))
+            }
+        }
+        for count in [1, 3, 16, 17, 300] {
+            let mut tree = WideBvh::default();
+            tree.build(&boxes(count), Par::Serial.into());
+            for limit in [0.0, f32::INFINITY] {
+                let (mut met, mut keyed) = (Vec::new(), Vec::new());
+                tree.visit(&Aabb::EVERYTHING, limit, &mut |k, _| {
+                    met.push(k);
+                    limit
+                });
+                tree.visit(&AllOrNothing, f32::INFINITY, &mut |k, _| {
+                    keyed.push(k);
+                    f32::INFINITY
+                });
+                for mut met in [met, keyed] {
+                    met.sort_unstable();
+                    assert!(met.into_iter().eq(0..count as u32), "{count} {limit}");
+                }
+            }
         }
     }
 

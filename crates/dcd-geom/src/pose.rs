@@ -48,6 +48,15 @@ impl Pose {
         Ok(Self { rotation: matrix, translation, deviation: row_deviation(&matrix) })
     }
 
+    /// Whether all bits of the two agree; 0 and −0 do not.
+    pub(crate) fn is_identical(&self, other: &Self) -> bool {
+        let bits = |pose: &Self| {
+            let turn = pose.rotation.to_cols_array().map(f64::to_bits);
+            (turn, pose.translation.to_array().map(f64::to_bits))
+        };
+        bits(self) == bits(other)
+    }
+
     /// [`Pose::new`] of numbers in f32: the quaternion is widened without loss, then normalised in f64.
     ///
     /// # Errors

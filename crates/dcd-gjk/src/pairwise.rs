@@ -69,6 +69,12 @@ pub trait PairSolver: Send + Sync {
         0.0
     }
 
+    /// Whether [`PairSolver::measure`] calls pairs apart on purpose that touch, as one-sided surfaces do. If it does not, a pair that
+    /// was proved to touch, and which it calls apart, is reported as undecided.
+    fn may_leave_out(&self) -> bool {
+        false
+    }
+
     /// The same verdict and the method that reached it. A solver of one method leaves this as it is.
     fn resolve(
         &self,

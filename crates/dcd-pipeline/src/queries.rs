@@ -260,11 +260,13 @@ impl<'a> Queries<'a> {
 
     /// Calls `visit(object, key)` for each object whose box has a key of at most the limit: the static ones, then
     /// the moving ones, nearer nodes first. Takes what it returns for the limit from then on.
-    fn visit(&self, test: &impl BoxTest, mut limit: f32, visit: &mut dyn FnMut(u32, f32) -> f32) {
+    fn visit(&self, test: &impl BoxTest, limit: f32, visit: &mut dyn FnMut(u32, f32) -> f32) {
+        // An infinite key is that of what cannot be an answer.
+        let mut limit = limit.min(f32::MAX);
         let (statics, slots) = self.trees.statics;
         if !slots.is_empty() {
             statics.tree().visit(test, limit, &mut |k, key| {
-                limit = visit(slots[k as usize], key);
+                limit = visit(slots[k as usize], key).min(f32::MAX);
                 limit
             });
         }
@@ -284,7 +286,7 @@ impl<'a> Queries<'a> {
                     let keys = dispatch(Keys { test, boxes: &boxes });
                     for (key, &slot) in keys.0.iter().zip(&slots) {
                         if *key <= limit {
-                            limit = visit(slot, *key);
+                            limit = visit(slot, *key).min(f32::MAX);
                         }
                     }
                 }

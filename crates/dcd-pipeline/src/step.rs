@@ -252,7 +252,8 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
 
     /// All stages.
     fn walk(&mut self, scene: &Scene, exec: Exec, may: &(impl Fn(u32, u32) -> bool + Sync)) {
-        self.stepped = Some(revisions(scene));
+        // Known once all is done: a shape of the caller's own may panic.
+        self.stepped = None;
         let prepared = exec.stage(Stage::Boxes, || self.prepare(scene, exec));
         exec.stage(Stage::Build, || {
             self.partition.build(scene, (&self.aabbs, prepared), &mut self.broad, exec);
@@ -263,6 +264,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             self.partition.find(&self.aabbs, &mut self.broad, search);
         });
         exec.stage(Stage::Narrow, || self.judge(scene, exec));
+        self.stepped = Some(revisions(scene));
     }
 
     /// Prepares the objects. Skips static objects that are prepared already, where no moving one is between: if
@@ -296,6 +298,8 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         candidates.cut(narrow.fewest_pairs(frame));
         let candidates = &*candidates;
         narrow.begin_pairs(frame, candidates.slices());
+        // Of a step that a panic has ended.
+        workers.iter_mut().for_each(|worker| worker.report.clear());
         let side = Prepared { scene, frame: &*frame };
         let sensors = scene.has_sensors().then(|| scene.sensors());
         contacts.fill(exec, candidates.tasks.len(), |task, contacts| {

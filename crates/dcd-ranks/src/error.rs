@@ -50,6 +50,8 @@ pub enum RankError {
     Unchecked,
     /// A margin that no pipeline takes.
     Margin(ShapeError),
+    /// Shapes that a scene refuses.
+    Shapes(SceneError),
     /// A body that a scene refuses.
     Scene {
         /// The body's name.
@@ -112,6 +114,7 @@ impl fmt::Display for RankError {
                 write!(f, "contacts without error bounds would depend on the number of ranks")
             }
             Self::Margin(error) => error.fmt(f),
+            Self::Shapes(error) => write!(f, "shapes: {error}"),
             Self::Scene { body, error } => write!(f, "object {body}: {error}"),
             Self::Pose { body, error } => write!(f, "object {body}: {error}"),
             Self::Elsewhere { rank, message } => write!(f, "rank {rank}: {message}"),

@@ -113,7 +113,7 @@ impl Local {
             new.push(shape);
         }
         if !new.is_empty() {
-            self.scene.add_shapes(new).map_err(|error| RankError::Scene { body: 0, error })?;
+            self.scene.add_shapes(new).map_err(RankError::Shapes)?;
         }
         Ok(())
     }

@@ -249,11 +249,14 @@ fn measure_ordered(
         return;
     }
     let step = pipeline.step_where(&scene, Par::Serial, |i, j| wanted.contains(&[i, j]));
+    let before = found.contacts.len();
     for (Pair { i, j }, answer) in step.answers() {
         let [a, b] = [i, j].map(|place| local.names()[slots[place as usize] as usize]);
         found.contacts.push([a, b]);
         found.answers.push(answer);
     }
+    // They touch, as the other order has shown: what this one does not answer is not lost.
+    found.undecided += pairs.len() - (found.contacts.len() - before);
 }
 
 /// Sends every body to its owner, in rounds; a shape is dropped with its last body.
@@ -269,7 +272,11 @@ fn send_to_owners(
         share.shapes.drain(..).map(|(name, shape)| (name, Some(shape))).collect();
     let mut rounds = [share.bodies.len().div_ceil(BODIES_A_ROUND) as u64];
     let counts = transport.all_gather(&rounds[0].to_le_bytes());
-    rounds[0] = counts.iter().map(|count| Reader(count).number().unwrap_or(0)).max().unwrap_or(0);
+    for (sender, count) in counts.iter().enumerate() {
+        // Fewer rounds would lose bodies. All ranks have the same counts, and none goes on alone.
+        let count = Reader(count).number().ok_or(RankError::Message { sender })?;
+        rounds[0] = rounds[0].max(count);
+    }
     let (mut bodies, mut known) = (Vec::new(), HashMap::new());
     let mut result = Ok(());
     for round in 0..rounds[0] as usize {

@@ -125,7 +125,7 @@ impl Workcell {
     /// Moves the robot to a state: see [`Robot::place`].
     ///
     /// # Errors
-    /// Those of [`Robot::place`]; a part out of range.
+    /// Those of [`Robot::place`]; a part out of range. Nothing is moved then.
     pub fn set_state(&mut self, state: &[f64]) -> Result<(), RobotError> {
         let mut poses = std::mem::take(&mut self.poses);
         let moved = self.robot.place(state, &mut poses).and_then(|()| self.set_poses(&poses));
@@ -136,7 +136,7 @@ impl Workcell {
     /// Moves the robot's parts to these poses, one for each, as [`Robot::place`] gives them.
     ///
     /// # Errors
-    /// Another number of poses than of parts; a part out of range.
+    /// Another number of poses than of parts; a part out of range. Nothing is moved then.
     pub fn set_poses(&mut self, poses: &[Pose]) -> Result<(), RobotError> {
         let (expected, found) = (self.robot.parts().len(), poses.len());
         if expected != found {
@@ -144,9 +144,17 @@ impl Workcell {
             return Err(RobotError::Count { what: "poses", user, expected, found });
         }
         let padded = (self.first_padded..).zip(&self.padded).map(|(i, &part)| (i, poses[part]));
-        for (i, pose) in poses.iter().copied().enumerate().chain(padded) {
-            let moved = self.scene.set_pose(i, pose);
-            moved.map_err(|error| RobotError::of_scene(error, |object| self.user(object)))?;
+        let all = poses.iter().copied().enumerate().chain(padded);
+        let mut before = Vec::with_capacity(poses.len() + self.padded.len());
+        for (i, pose) in all {
+            before.push((i, self.scene.poses()[i]));
+            if let Err(error) = self.scene.set_pose(i, pose) {
+                // As it was: what a scene has taken before it takes again.
+                for (i, pose) in before {
+                    self.scene.set_pose(i, pose).ok();
+                }
+                return Err(RobotError::of_scene(error, |object| self.user(object)));
+            }
         }
         Ok(())
     }

@@ -15,12 +15,11 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The AABB of nothing: the neutral element of [`Aabb::union`], overlapping no AABB.
+    /// The AABB of nothing: the neutral element of [`Aabb::union`], overlapping no AABB with finite sides.
     pub const EMPTY: Self =
         Self { min: Vec3::splat(f32::INFINITY), max: Vec3::splat(f32::NEG_INFINITY) };
 
-    /// The AABB of all there is, which overlaps every AABB but the empty one. Not a valid AABB of an
-    /// object.
+    /// The AABB of all there is, which overlaps every AABB. Not a valid AABB of an object.
     pub const EVERYTHING: Self =
         Self { min: Vec3::splat(f32::NEG_INFINITY), max: Vec3::splat(f32::INFINITY) };
 

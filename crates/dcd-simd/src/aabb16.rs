@@ -54,7 +54,8 @@ impl Aabb16 {
         }
     }
 
-    /// Which of the sixteen overlap that AABB, lane k as bit k; empty AABBs never do. For kernels.
+    /// Which of the sixteen overlap that AABB, lane k as bit k; empty AABBs never do, if its sides are
+    /// finite. For kernels.
     #[inline(always)]
     pub fn overlaps<L: Lanes>(&self, l: L, one: &Aabb) -> u32 {
         let (min, max) = (one.min.to_array(), one.max.to_array());

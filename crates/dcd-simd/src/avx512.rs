@@ -9,7 +9,7 @@ use std::arch::x86_64::*;
 /// is compiled once for all who call it.
 ///
 /// # Safety
-/// The CPU has AVX-512 F, DQ, BW and VL.
+/// The CPU has AVX-512 F, DQ, BW and VL, AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
 pub(super) unsafe fn run<K: Kernel>(kernel: K) -> K::Output {

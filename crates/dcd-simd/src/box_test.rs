@@ -2,7 +2,7 @@
 
 use crate::aabb::{above, round_down, round_up};
 use crate::{Aabb, Aabb16, Lanes, Row, WIDTH};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// A test of sixteen boxes.
 ///
@@ -36,8 +36,12 @@ pub fn nearest_first(keys: &Row, mut bits: u32, lanes: &mut [u8; WIDTH]) -> usiz
 /// (1 + γ₃)/(1 − γ₃) is 1 + 6.1·2⁻²⁴ (Ize 2013). Smaller: boxes missed through rounding.
 const ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 
-/// More than an underflow loses; no box is so near that it matters.
+/// More than the underflow of a product loses; no box is so near that it matters.
 const UNDERFLOW: f32 = 1e-30;
+
+/// What a component of a vector loses where it is rounded to an f32 below the least normal one, twice: what a coordinate times that
+/// is, is not below [`UNDERFLOW`] far from the origin.
+const LEAST: f32 = f32::from_bits(1);
 
 /// Below which part of the largest component of a direction a component counts as none: its reciprocal and
 /// products with it would leave the range of f32.
@@ -204,7 +208,8 @@ impl HeightsAlong {
         let base = (direction * min).min(direction * max).element_sum();
         // The direction and the base are rounded, 1 each; the products lose 1 together, three sums of at most twice the
         // size 2 each: 9 times 2⁻²⁴ of it, below ROUNDING.
-        let slack = size * ROUNDING + f64::from(UNDERFLOW);
+        let far = min.abs().max(max.abs()).element_sum();
+        let slack = size * ROUNDING + f64::from(LEAST) * far + f64::from(UNDERFLOW);
         Some(Self { direction: rounded.to_array(), base, slack })
     }
 
@@ -235,7 +240,9 @@ impl BoxTest for HeightsAlong {
 impl BoxTest for Aabb {
     #[inline(always)]
     fn keys<L: Lanes>(&self, l: L, boxes: &Aabb16) -> L::F {
-        let hits = boxes.overlaps(l, self);
+        // An infinite side would overlap the empty boxes that fill up a row.
+        let finite = Self { min: self.min.max(Vec3::MIN), max: self.max.min(Vec3::MAX) };
+        let hits = boxes.overlaps(l, &finite);
         l.select(l.mask(hits), l.splat(0.0), l.splat(f32::INFINITY))
     }
 }
@@ -258,15 +265,19 @@ impl BoxTest for PlaneSet<'_> {
         for (normal, offset) in self.planes {
             let offset = *offset as f32;
             let (mut least, mut size) = (l.splat(-offset), l.splat(offset.abs()));
+            let mut underflow = UNDERFLOW;
             for axis in 0..3 {
                 let n = normal[axis] as f32;
+                if n.abs() < f32::MIN_POSITIVE && normal[axis] != 0.0 {
+                    underflow += LEAST * f32::MAX;
+                }
                 let corner = if n > 0.0 { &boxes.min[axis] } else { &boxes.max[axis] };
                 let product = l.mul(l.splat(n), l.load(corner));
                 least = l.add(least, product);
                 size = l.add(size, l.abs(product));
             }
             // Seven roundings, and a margin.
-            let slack = l.add(l.mul(size, l.splat(ROUNDING as f32)), l.splat(UNDERFLOW));
+            let slack = l.add(l.mul(size, l.splat(ROUNDING as f32)), l.splat(underflow));
             open = l.and_not(open, l.lt(slack, least));
         }
         l.select(open, l.splat(0.0), l.splat(f32::INFINITY))

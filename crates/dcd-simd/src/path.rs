@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicU8, Ordering};
 /// The instruction set that a kernel runs on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Path {
-    /// AVX-512 F, DQ, BW and VL: one register of sixteen.
+    /// AVX-512 F, DQ, BW and VL beside what [`Path::Avx2`] has: one register of sixteen.
     Avx512,
-    /// AVX2 and FMA: two registers of eight.
+    /// AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT: two registers of eight.
     Avx2,
     /// What every CPU of the target has: four SSE2 registers of four on x86-64, plain Rust on arrays elsewhere.
     Portable,
@@ -25,13 +25,22 @@ impl Path {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => {
-                is_x86_feature_detected!("avx512f")
+                Self::Avx2.is_available()
+                    && is_x86_feature_detected!("avx512f")
                     && is_x86_feature_detected!("avx512dq")
                     && is_x86_feature_detected!("avx512bw")
                     && is_x86_feature_detected!("avx512vl")
             }
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            Self::Avx2 => {
+                // All that its code is compiled with: a virtual machine may hide any of them.
+                is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("fma")
+                    && is_x86_feature_detected!("bmi1")
+                    && is_x86_feature_detected!("bmi2")
+                    && is_x86_feature_detected!("lzcnt")
+                    && is_x86_feature_detected!("popcnt")
+            }
             Self::Portable => true,
             #[cfg(not(target_arch = "x86_64"))]
             _ => false,

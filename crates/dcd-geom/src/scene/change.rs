@@ -37,7 +37,7 @@ impl Scene {
         for (i, pose) in poses.iter().enumerate() {
             match self.slots[i] {
                 Slot::Free => continue,
-                Slot::Holds(Motion::Static) => moves_static |= *pose != self.poses[i],
+                Slot::Holds(Motion::Static) => moves_static |= !pose.is_identical(&self.poses[i]),
                 Slot::Holds(Motion::Moving) => {}
             }
             check_reach(i, self.shape(i), pose)?;

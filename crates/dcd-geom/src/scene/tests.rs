@@ -135,6 +135,17 @@ fn a_revision_changes_with_what_it_marks_and_with_nothing_else() {
     assert_eq!((copy.layout(), copy.statics()), (scene.layout(), scene.statics()));
     scene.set_pose(0, Pose::IDENTITY).unwrap();
     assert_eq!((copy.layout(), copy.statics()), (scene.layout(), scene.statics()));
+    let before = scene.statics();
+    let same = scene.poses().to_vec();
+    scene.set_poses(&same).unwrap();
+    assert_eq!(before, scene.statics());
+    // Equal numbers are not the same bits.
+    let other_zeros = same.iter().map(|pose| {
+        let place = pose.translation().to_array().map(|x| if x == 0.0 { -x } else { x });
+        pose.with_translation(DVec3::from_array(place)).unwrap()
+    });
+    scene.set_poses(&other_zeros.collect::<Vec<_>>()).unwrap();
+    assert_ne!(before, scene.statics());
     scene.set_pose(1, Pose::IDENTITY).unwrap();
     assert_eq!(copy.layout(), scene.layout());
     assert_ne!(copy.statics(), scene.statics());

@@ -221,6 +221,10 @@ impl<S: MeasureAt> PairSolver for WithAccuracy<S> {
         self.solver.margin()
     }
 
+    fn may_leave_out(&self) -> bool {
+        self.solver.may_leave_out()
+    }
+
     fn solve(
         &self,
         a: PosedShape<'_>,

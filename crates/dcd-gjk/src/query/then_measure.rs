@@ -3,7 +3,7 @@
 use super::{FEWEST_MEASURED, Within};
 use crate::{
     Contact, ContactList, ContactSink, ContactsOf, NarrowPhase, Overlap, PairSolver, PosedShape,
-    Prepared, Sides, Verdict,
+    Prepared, Reason, Sides, Verdict,
 };
 use dcd_geom::{Aabb, List, Pair, Scene, ShapeError};
 
@@ -111,7 +111,8 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
             let (one, other) = (PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j));
             match self.solver.measure(one, other, solver) {
                 Verdict::Touching(answer) => sink.contacts.push(Contact { pair, answer }),
-                Verdict::Apart => {}
+                Verdict::Apart if self.solver.may_leave_out() => {}
+                Verdict::Apart => sink.report.leave_unmeasured(pair, Reason::WithinRounding),
                 Verdict::Undecided(reason) => sink.report.leave_unmeasured(pair, reason),
             }
         }

@@ -402,7 +402,7 @@ fn touching(
     b: PosedSupport<'_, Polytope>,
 ) -> Option<(DistanceResult, Method)> {
     let (verdict, method) = certified::overlap(a, b);
-    (verdict != Verdict::Apart).then_some((DistanceResult::Touching, method))
+    (verdict == Verdict::Touching(())).then_some((DistanceResult::Touching, method))
 }
 
 /// Of two that are apart, from where the search in f64 has come.

@@ -6,8 +6,8 @@ use super::{PosedSupport, answer_of, solve};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Polytope, Shape, Support, SupportMap};
 use dcd_gjk::{
-    Accuracy, Depths, Overlap, PairSolver, Pairwise, ThenMeasure, Verdict, WithAccuracy, contract,
-    epa,
+    Accuracy, Depths, Method, Overlap, PairSolver, Pairwise, PosedShape, ThenMeasure, Verdict,
+    WithAccuracy, contract, epa,
 };
 use std::sync::Arc;
 
@@ -34,6 +34,39 @@ fn every_touching_pair_has_its_depth() {
     for depth in deep.iter().map(|contact| contact.answer) {
         assert!(depth.depth > 0.0 || depth.error_bound < 1e-15, "{depth:?}");
         assert!((depth.normal.length() - 1.0).abs() < 1e-12 && !depth.is_saturated());
+    }
+}
+
+/// Calls apart what it is asked about, as a foreign library may what hardly touches.
+struct NeverTouching {
+    on_purpose: bool,
+}
+
+impl PairSolver for NeverTouching {
+    type Answer = ();
+    type Scratch = ();
+    fn method(&self) -> Method {
+        Method::Foreign
+    }
+    fn solve(&self, _: PosedShape<'_>, _: PosedShape<'_>, (): &mut ()) -> Verdict<()> {
+        Verdict::Apart
+    }
+    fn may_leave_out(&self) -> bool {
+        self.on_purpose
+    }
+}
+
+#[test]
+fn a_pair_that_touches_and_is_not_measured_is_undecided() {
+    let (scene, pairs) = pile(shapes(), 40);
+    let (yes, before) = found(&Overlap::default(), &scene, &pairs);
+    assert!(yes.len() > 20);
+    for on_purpose in [false, true] {
+        let narrow = ThenMeasure::new(NeverTouching { on_purpose }).unwrap();
+        let (contacts, report) = found(&narrow, &scene, &pairs);
+        let lost = if on_purpose { 0 } else { yes.len() };
+        let due = before.undecided().len() + lost;
+        assert_eq!((contacts.len(), report.undecided().len()), (0, due));
     }
 }
 

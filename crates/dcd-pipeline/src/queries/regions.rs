@@ -2,7 +2,7 @@
 
 use super::{Queries, QueryError, QueryFilter, check_finite};
 use dcd_exec::{Exec, Segments};
-use dcd_geom::glam::{DVec3, Vec3};
+use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pose, PoseError, Shape, ShapeError};
 use dcd_gjk::{PosedShape, Verdict, certified, mesh::Scratch};
 use dcd_simd::PlaneSet;
@@ -75,9 +75,7 @@ impl Queries<'_> {
     ) {
         found.clear();
         let mut scratch = Scratch::default();
-        let Aabb { min, max } = region.shape.aabb(region.pose);
-        // An infinite side would overlap the empty boxes that fill up a leaf.
-        let aabb = Aabb { min: min.max(Vec3::MIN), max: max.min(Vec3::MAX) };
+        let aabb = region.shape.aabb(region.pose);
         self.visit(&aabb, 0.0, &mut |object, _| {
             if filter.sees(self.scene, object) {
                 let posed = PosedShape::of(self.scene, object);

@@ -172,6 +172,20 @@ fn a_box_is_outside_of_planes_only_where_all_its_corners_are() {
 }
 
 #[test]
+fn components_below_the_least_f32_shut_no_box_out() {
+    // Far from the origin they count, and an f32 holds none of them.
+    let far = Vec3::new(0.0, 1e37, 0.0);
+    let mut boxes = Aabb16::EMPTY;
+    boxes.set(0, &Aabb { min: far, max: far });
+    let normal = DVec3::new(1.0, -6e-46, 0.0);
+    let height = normal.dot(far.as_dvec3());
+    let planes = [(normal, height / 2.0)];
+    assert_eq!(keys(&PlaneSet { planes: &planes }, &boxes)[0], 0.0);
+    let test = HeightsAlong::new(normal, &boxes.union()).unwrap();
+    assert!(keys(&test, &boxes)[0] <= test.key_of(height));
+}
+
+#[test]
 fn no_box_is_higher_than_anything_in_it() {
     let (mut state, mut lower) = (5, 0);
     for round in 0..500 {

@@ -204,6 +204,10 @@ impl PairSolver for Manifolds {
         self.measure_at(Accuracy::Certified, a, b, scratch)
     }
 
+    fn may_leave_out(&self) -> bool {
+        self.options != ManifoldOptions::default()
+    }
+
     fn resolve(
         &self,
         a: PosedShape<'_>,

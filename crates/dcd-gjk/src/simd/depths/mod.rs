@@ -41,7 +41,7 @@ use crate::epa::Depth;
 use crate::query::{FEWEST_MEASURED, FoundDepth as Found, MeasureDepth};
 use crate::{
     Accuracy, ContactList, ContactSink, Depths, NarrowPhase, PosedShape, PosedSupport, Prepared,
-    Sides, Verdict, order,
+    Reason, Sides, Verdict, order,
 };
 use answers::{Answers, Contacts, WriteDepth};
 use apart::{ApartCores, Thought};
@@ -357,10 +357,13 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
                     self.solver.measure_alone(self.accuracy, sides, solver, place)
                 }
             };
-            if let Verdict::Undecided(reason) = measured {
-                sink.report.leave_unmeasured(pair, reason);
+            match measured {
+                Verdict::Touching(()) => return false,
+                Verdict::Apart if self.solver.may_leave_out() => {}
+                Verdict::Apart => sink.report.leave_unmeasured(pair, Reason::WithinRounding),
+                Verdict::Undecided(reason) => sink.report.leave_unmeasured(pair, reason),
             }
-            measured != Verdict::Touching(())
+            true
         });
         if !numbers.is_empty() {
             numbers.sort_unstable();

@@ -121,7 +121,9 @@ fn what_leaves_the_range_is_refused_by_its_name() {
         let moved = cell.move_obstacle(0, far.pose);
         assert!(said(moved).starts_with("obstacle \"near\": reaches 1e39 m"));
         let of_hand = "link \"hand\": reaches 1e39 m";
+        let before = cell.scene().poses().to_vec();
         assert!(said(cell.set_state(&[1e39])).starts_with(of_hand));
+        assert_eq!(before, cell.scene().poses(), "half of the robot has moved");
         // What a batch decides pair by pair.
         let checker = StateChecker::new(cell).unwrap();
         let states = checker.all(&[[3.0], [1e39]], Par::Serial);
