@@ -202,11 +202,6 @@ impl<T: Send> Segments<T> {
             });
         }
     }
-
-    /// How many bytes the buffers hold.
-    pub fn capacity_bytes(&self) -> usize {
-        self.buffers.iter().map(|b| b.items.capacity() * size_of::<T>()).sum()
-    }
 }
 
 impl<T: Send + Sync + Copy + Default> Segments<T> {

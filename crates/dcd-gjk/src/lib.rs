@@ -48,3 +48,6 @@ pub use query::{
 };
 pub use simd::{Coherent, Overlap, OverlapUnchecked, SimdDepths, SimdDistances};
 pub use solvers::{Certified, Gjk};
+
+/// Unit roundoff of f64, the u of every bound.
+pub(crate) const UNIT: f64 = f64::EPSILON / 2.0;

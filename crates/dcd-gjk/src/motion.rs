@@ -4,6 +4,7 @@
 //! are bounded for all times, so that nothing can close the gap before a time that follows: the search goes
 //! there, and no farther (Mirtich 1996; Zhang, Lee, Kim 2006). Nothing fast tunnels through anything thin.
 
+use crate::UNIT;
 use crate::distance::{Distance, DistanceResult, distance_at, gap_along};
 use crate::{Accuracy, PosedShape, Verdict, certified, order};
 use advance::Advance;
@@ -86,9 +87,6 @@ pub enum Impact {
 /// more. Smaller: more of these undecided.
 const ADVANCES: usize = 1024;
 
-/// Unit roundoff.
-const U: f64 = f64::EPSILON / 2.0;
-
 /// What an f64 pose may be off by: a rotation of 48u and its angle's rounding of 4u of itself, two products
 /// of 9u, three sums. Unit: u, of the lengths that go into it.
 const POSE: f64 = 96.0;
@@ -124,7 +122,7 @@ impl RigidMotion {
         let arms = radius + 2.0 * length(self.centre);
         let at_start = self.start.translation().length() + arms;
         let per_time = speed(self.linear) + arms * speed(self.angular);
-        [POSE * U * at_start, POSE * U * per_time]
+        [POSE * UNIT * at_start, POSE * UNIT * per_time]
     }
 }
 
@@ -226,7 +224,7 @@ pub fn time_of_impact(
     [a, b].iter().for_each(MovingShape::prefetch);
     let closing = Closing::of(a, b);
     let limits = &Limits::of([a, b], &closing, until, tolerance);
-    // Of what has no end a distance does not tell.
+    // Two unbounded shapes have no distance here.
     if !a.shape.is_bounded() && !b.shape.is_bounded() && overlap_at_start([a, b]) {
         return Ok(met(0.0));
     }
@@ -345,13 +343,13 @@ impl Closing {
     fn along(&self, normal: DVec3) -> f64 {
         let n = normal.normalize();
         if !self.turns() {
-            return n.dot(self.linear) + 64.0 * U * speed(self.linear);
+            return n.dot(self.linear) + 64.0 * UNIT * speed(self.linear);
         }
         let turning: f64 =
             self.angular.iter().zip(&self.radii).map(|(w, r)| speed(n.cross(*w)) * r).sum();
         let sizes = speed(self.linear) + self.turning();
         // What cancels is rounded by parts of the speeds themselves.
-        n.dot(self.linear) + turning + 64.0 * U * sizes
+        n.dot(self.linear) + turning + 64.0 * UNIT * sizes
     }
 
     /// Along a direction at the instant, of the points at those arms from the two centres, and the derivative of that; as
@@ -371,16 +369,16 @@ impl Closing {
         let of_side = |(w, r): (&DVec3, &f64)| {
             let fast = speed(*w);
             // What cancels in the product is rounded by parts of its factors.
-            (speed(n.cross(*w)) + 64.0 * U * fast) * fast * r
+            (speed(n.cross(*w)) + 64.0 * UNIT * fast) * fast * r
         };
         let bending = self.angular.iter().zip(&self.radii).map(of_side).sum::<f64>();
         let hidden = if bending > 0.0 { f64::MIN_POSITIVE } else { 0.0 };
-        bending * (1.0 + 64.0 * U) + hidden
+        bending * (1.0 + 64.0 * UNIT) + hidden
     }
 
     /// In any direction.
     fn at_most(&self) -> f64 {
-        (speed(self.linear) + self.turning()) * (1.0 + 64.0 * U)
+        (speed(self.linear) + self.turning()) * (1.0 + 64.0 * UNIT)
     }
 
     fn turning(&self) -> f64 {
@@ -418,7 +416,7 @@ fn radius(side: &MovingShape<'_>) -> f64 {
         }
         _ => core_reach(side.shape) + length(*centre),
     };
-    own * (1.0 + start.deviation()) * (1.0 + 16.0 * U) + UNDERFLOW
+    own * (1.0 + start.deviation()) * (1.0 + 16.0 * UNIT) + UNDERFLOW
 }
 
 /// How far the core of a shape reaches from the origin of its own frame, at most: metres.

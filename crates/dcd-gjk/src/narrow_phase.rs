@@ -176,6 +176,9 @@ impl Report {
     }
 }
 
+/// How many pairs are worth a task: some fifty nanoseconds each. No effect on any answer.
+pub(crate) const PAIRS_WORTH_A_TASK: usize = 2048;
+
 /// Where [`NarrowPhase::decide`] writes.
 #[derive(Debug)]
 pub struct ContactSink<'a, A: ContactAnswer> {
@@ -279,7 +282,7 @@ pub trait NarrowPhase: Send + Sync {
     /// The fewest pairs of objects of a frame that are worth a task of their own: some tens of microseconds of work. No effect
     /// on any answer. Larger: threads that wait for the last one. Smaller: packets of lanes that are not full.
     fn fewest_pairs(&self, _frame: &Self::Frame) -> usize {
-        2048
+        PAIRS_WORTH_A_TASK
     }
 
     /// The answer for every touching pair, if it is the same for all. Lets a caller that has proved

@@ -160,7 +160,8 @@ impl EdgeChecker {
         self.renew(cell, states);
     }
 
-    /// Checks among other obstacles from now on: [`Workcell::set_obstacles`]. Nothing of the robot is prepared again.
+    /// Checks among other obstacles from now on: [`Workcell::set_obstacles`]. Nothing of the robot is prepared again, unless a clone of this
+    /// checker shares it.
     ///
     /// # Errors
     /// Those of [`Workcell::set_obstacles`]; nothing is changed then.

@@ -6,7 +6,7 @@
 //!
 //! Every function between [`Kernel::run`] and a lane operation must be `#[inline(always)]`: the
 //! operations become single instructions only inside the function that carries the CPU feature, and
-//! cost fifty times as much outside of it.
+//! cost ten to fifty times as much outside of it.
 //!
 //! This is the only crate with `unsafe`. A lane type can be had only through [`dispatch`], which has
 //! checked the CPU feature: that is the reason in every SAFETY line.

@@ -9,7 +9,7 @@ use dcd_geom::glam::{DMat3, DVec3};
 
 /// Which of a hull's vertices may be lowest, decided in f64. Unit: u·|d|₁, for a hull scaled to
 /// reach 1: twice 13.1 (the direction's rounding 6.03, Rᵀd 3, the scale 1, ·v 3) and a margin.
-const FILTER: f64 = 27.0 * (f64::EPSILON / 2.0);
+const FILTER: f64 = 27.0 * crate::UNIT;
 
 /// The largest coordinate, in bits, for which machine words hold every number of the search: the
 /// longest product is s² with 8·14 + 12 = 124 bits (docs/numerics/proofs.md, "the exact method").

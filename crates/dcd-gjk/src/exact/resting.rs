@@ -6,6 +6,7 @@
 //! within the plane the faces overlap clearly, which f64 proves (docs/numerics/proofs.md, "resting").
 
 use super::expansion::{exact_sign, filtered_sign};
+use crate::UNIT;
 use crate::{Difference, PosedSupport};
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
@@ -175,9 +176,6 @@ impl Faces<'_> {
         DVec2::new(w[(self.k + 1) % 3], w[(self.k + 2) % 3])
     }
 }
-
-/// Unit roundoff of f64.
-const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// Whether the hull of three points, each known to `error` a component, surely holds the origin:
 /// every edge sees the whole square round it on its inner side. False for NaN.

@@ -5,7 +5,7 @@
 pub(super) const U: f64 = f32::EPSILON as f64 / 2.0;
 
 /// Unit roundoff of f64.
-pub(super) const U64: f64 = f64::EPSILON / 2.0;
+pub(super) const U64: f64 = crate::UNIT;
 
 /// Rounded up to f32, of what is not below 0: without the branches of `next_up`, which took as long as the bounds themselves.
 /// Infinity becomes NaN, which compares with nothing and so proves as little.

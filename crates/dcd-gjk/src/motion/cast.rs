@@ -9,7 +9,7 @@
 
 use super::advance::Advance;
 use super::ray_frame::{Miss, RayFrame, Turned};
-use super::{Closing, Limits, MovingShape, U, ray_frame};
+use super::{Closing, Limits, MovingShape, UNIT, ray_frame};
 use crate::certificate::Bounds;
 use crate::distance::Distance;
 use crate::gjk::unit;
@@ -109,7 +109,7 @@ impl Met<'_, '_> {
         let scale = self.difference.scale();
         let moved = self.closing.linear * (self.t * scale);
         let length = (w + moved).length();
-        let lost = MOVED * U * (self.difference.size() + moved.length());
+        let lost = MOVED * UNIT * (self.difference.size() + moved.length());
         let farthest = Bounds::of(self.difference).upper_bound(length) + lost;
         // Written so that NaN is no proof.
         let is_near = farthest / scale <= self.tolerance;

@@ -1,6 +1,6 @@
 //! Where a moving shape may be: boxes round all of its way.
 
-use super::{MovingShape, U, radius, speed};
+use super::{MovingShape, UNIT, radius, speed};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Shape, SupportMap};
 
@@ -28,7 +28,7 @@ impl MovingShape<'_> {
             + whole
             + way
             + centre.abs().max_element();
-        let off = ROUNDING * U * (sizes + 2.0 * motion.centre.length() * (1.0 + turn));
+        let off = ROUNDING * UNIT * (sizes + 2.0 * motion.centre.length() * (1.0 + turn));
         // A chord of the circle that a point goes along; no less than what the angle's own rounding hides.
         let chord = if motion.angular == DVec3::ZERO { 0.0 } else { radius * turn * (1.0 + 1e-12) };
         let (low, high) = (aabb.min.as_dvec3() - chord, aabb.max.as_dvec3() + chord);
@@ -51,7 +51,7 @@ impl MovingShape<'_> {
             return Aabb::outward(DVec3::splat(-Aabb::LIMIT), DVec3::splat(Aabb::LIMIT));
         };
         let way = motion.linear * until;
-        let off = way.abs() * (4.0 * U);
+        let off = way.abs() * (4.0 * UNIT);
         let limit = DVec3::splat(Aabb::LIMIT);
         let low = (low + way.min(DVec3::ZERO) - off).max(-limit);
         Aabb::outward(low, (high + way.max(DVec3::ZERO) + off).min(limit))

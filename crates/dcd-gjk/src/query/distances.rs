@@ -1,6 +1,7 @@
 //! How far apart the pairs within a margin are.
 
 use super::{Accuracy, MeasureAt, check_margin, few_parts};
+use crate::UNIT;
 use crate::closed;
 use crate::distance::{Distance, DistanceResult, distance, distance_at};
 use crate::mesh::Limited;
@@ -224,14 +225,14 @@ pub(super) fn are_within(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> V
 /// The centres and their difference lose at most 8u of everything that is added up, the radii's
 /// sum 4u; 16u and 8u cover them. NaN and overflow prove nothing.
 pub(crate) fn spheres_are_apart(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> bool {
-    const U: f64 = f64::EPSILON / 2.0;
     let (sphere_a, sphere_b) = (sphere(a), sphere(b));
     let size = |side: PosedShape<'_>, sphere: Sphere| {
         side.pose.translation().abs().element_sum() + sphere.centre.abs().element_sum() * 1.1
     };
     let centres = a.pose.apply(sphere_a.centre).distance(b.pose.apply(sphere_b.centre));
     let radii = sphere_a.radius + sphere_b.radius + margin;
-    let slack = 16.0 * U * (size(a, sphere_a) + size(b, sphere_b)) + 8.0 * U * (radii + centres);
+    let slack =
+        16.0 * UNIT * (size(a, sphere_a) + size(b, sphere_b)) + 8.0 * UNIT * (radii + centres);
     centres - radii > slack && centres <= Aabb::LIMIT * 4.0
 }
 

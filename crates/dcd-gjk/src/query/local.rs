@@ -6,7 +6,7 @@ use dcd_geom::glam::{DMat3, DVec3};
 /// What bringing a point or a ray into a frame and a closed form on it lose, as a length: two differences and products
 /// of a matrix (16), an inverse where there is one (32), the closed forms (at most 24 of the sizes that go into them),
 /// doubled. Unit: 2⁻⁵³ of the distance and the shape's size. Larger: wider brackets. Smaller: false answers.
-const ROUNDING: f64 = 144.0 * (f64::EPSILON / 2.0);
+const ROUNDING: f64 = 144.0 * crate::UNIT;
 
 /// What lengths lose whose squares underflow, and the roots of what closed forms subtract from each other along directions of
 /// 1e-50 and more: metres. Larger: tiny shapes of which nothing is known. Smaller: false answers about them.

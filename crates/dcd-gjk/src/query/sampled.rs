@@ -6,6 +6,7 @@
 //! reach, and adds to the hulls the support points of where it arrives and of a ring round it,
 //! until both bounds meet.
 
+use crate::UNIT;
 use crate::distance::{DistanceResult, of_polytopes};
 use crate::epa::{Depth, Scratch, depth_of_overlap as depth_of_polytopes};
 use crate::{PosedShape, PosedSupport, order};
@@ -33,9 +34,6 @@ const ANGLES: [f64; 2] = [1e-4, 1e-7];
 
 /// The relative gap at which the bounds have met: what is promised of a depth.
 const GAP: f64 = 1e-9;
-
-/// Unit roundoff.
-const U: f64 = f64::EPSILON / 2.0;
 
 /// How deep two shapes overlap that are known to touch.
 pub(super) fn depth_of_overlap(
@@ -90,7 +88,7 @@ impl Couple<'_> {
             best = if other.missed() < best.missed() { other } else { best };
         }
         let error = (best.depth - lower).max(0.0);
-        Depth { error_bound: (error + 4.0 * U * best.depth).min(f64::MAX), ..best }
+        Depth { error_bound: (error + 4.0 * UNIT * best.depth).min(f64::MAX), ..best }
     }
 
     /// Where the shapes are deepest along the normal of a depth, one point above the other. The points that are farthest along
@@ -129,7 +127,7 @@ impl Couple<'_> {
                 Some((reach, direction)) if reach < least => (least, normal) = (reach, direction),
                 _ => width *= 0.5,
             }
-            if width < U {
+            if width < UNIT {
                 break;
             }
         }
@@ -158,7 +156,7 @@ impl Couple<'_> {
         let size = end_a.abs().element_sum() + end_b.abs().element_sum();
         let size = 1.1 * size + delta.abs().element_sum() + radius;
         let short = 2.0 * (a.shape.support_error() + b.shape.support_error());
-        let reach = along + radius + 32.0 * U * size + short;
+        let reach = along + radius + 32.0 * UNIT * size + short;
         // A NaN of a foreign map bounds nothing.
         if reach >= 0.0 { reach.min(f64::MAX) } else { f64::MAX }
     }

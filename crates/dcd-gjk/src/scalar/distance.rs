@@ -16,6 +16,7 @@ mod refine;
 mod tests;
 mod warm_start;
 
+use crate::UNIT;
 use crate::certificate::Bounds;
 use crate::closed::{self, half_space};
 use crate::exact::{self, Exact};
@@ -354,9 +355,6 @@ fn measured<S: InBlocks>(
         },
     }
 }
-
-/// Unit roundoff of f64.
-const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// The verdict where the nearest point found does not prove the shapes apart.
 fn undecided_or_proved<S: SupportMap<f64>>(

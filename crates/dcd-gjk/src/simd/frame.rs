@@ -7,6 +7,7 @@ use super::form::{Form, Purpose};
 use super::prepare::constants;
 use crate::Sides;
 use crate::closed::PlacedSphere;
+use crate::narrow_phase::PAIRS_WORTH_A_TASK;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Pair, Revision, Scene, Shape, Splittable};
 use dcd_simd::{Block, Lanes, Row, WIDTH, prefetch};
@@ -145,10 +146,7 @@ impl ObbRecord {
     }
 }
 
-/// How many pairs are worth a task: some fifty nanoseconds each. No effect on any answer.
-const FEWEST: usize = 2048;
-
-/// The same where some object has parts: each pair of them takes as long as many of others.
+/// How many pairs are worth a task where some object has parts: each pair of them takes as long as many of others.
 const FEWEST_OF_PARTS: usize = 128;
 
 /// Frames with at most this many bytes of vertices are not prefetched: what stays in the second cache while other work runs
@@ -317,7 +315,7 @@ impl SimdFrame {
 
     /// How many pairs take some tens of microseconds at least to decide.
     pub(crate) fn fewest_pairs(&self) -> usize {
-        if self.has_parts { FEWEST_OF_PARTS } else { FEWEST }
+        if self.has_parts { FEWEST_OF_PARTS } else { PAIRS_WORTH_A_TASK }
     }
 
     fn has_compounds(&self) -> bool {

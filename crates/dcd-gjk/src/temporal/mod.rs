@@ -28,7 +28,7 @@ use track::Track;
 /// certificate decides as in every other step.
 ///
 /// Costs some 200 bytes an object, 17 (dense scenes) to 40 (sparse ones) a candidate pair, and a
-/// first step that takes two to three times as long: it looks for proofs with more clearance than the
+/// first step that takes three times as long, in sparse scenes four to five: it looks for proofs with more clearance than the
 /// first that are found. Where more than half of the objects move by more than 1/40 of their radius in
 /// a step (1/128 in sparse scenes), nothing new is kept, and what is known serves (dense scenes) until
 /// it has faded; then it does what [`crate::Overlap`] does.

@@ -58,12 +58,6 @@ impl MeshPaths {
         &self.opened
     }
 
-    /// The paths for the names in a file of another folder.
-    #[must_use]
-    pub fn with_folder(self, folder: &Path) -> Self {
-        Self { folder: Self::new(folder).folder, ..self }
-    }
-
     /// The package of that name is this folder, and no other. The last said of a name counts.
     #[must_use]
     pub fn with_package(mut self, name: &str, folder: impl Into<PathBuf>) -> Self {

@@ -83,7 +83,7 @@ impl Impacts {
         self.boxes.resize(scene.len(), Aabb::EMPTY);
         exec.divide(&mut self.boxes[..], BOXES_PER_TASK, |first, boxes| {
             for (i, aabb) in (first..).zip(boxes) {
-                // Half of the tolerance on either side is what a near miss needs.
+                // Half of the tolerance on either side would do for a near miss.
                 if scene.motion(i).is_some() {
                     let Aabb { min, max } = moving(i).swept_aabb(until);
                     let (min, max) = (min.as_dvec3() - tolerance, max.as_dvec3() + tolerance);

@@ -1,5 +1,6 @@
 //! How far the points of a robot's parts can move while its joints do.
 
+use super::ROUNDED_UP;
 use super::bounding_volumes::as_ball;
 use super::path::{Extents, U};
 use crate::model::Drive;
@@ -122,7 +123,6 @@ impl Chain {
     }
 
     pub(crate) fn lengths(&self, path: &Extents) -> Lengths {
-        const ROUNDED_UP: f64 = 1.0 + 1e-9;
         let none = vec![0.0; self.joints.len()];
         let (speed, turn) = (none.clone(), none.clone());
         let mut lengths = Lengths { speed, turn, change: none, deviation: 0.0, length: 0.0 };

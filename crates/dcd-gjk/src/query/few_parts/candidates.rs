@@ -47,7 +47,7 @@ pub(crate) fn may_be_nearest([a, b]: [PosedShape<'_>; 2]) -> Option<Vec<[u32; 2]
     let (sides, swapped) = in_order(a, b)?;
     let framed = Framed::of(sides);
     let mut couple = Couple::default();
-    couple.take(&framed)?;
+    couple.fill(&framed)?;
     let (mut near, mut limit) = (Vec::new(), f64::INFINITY);
     couple.nearest(Accuracy::F64, |pair, _, found| {
         limit = limit.min((found.distance + found.error_bound).next_up());

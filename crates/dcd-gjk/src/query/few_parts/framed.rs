@@ -1,6 +1,7 @@
 //! A compound and another shape as the compound sees them: its parts are where it has them, and need no products of poses.
 
 use crate::PosedShape;
+use crate::UNIT;
 use crate::distance::Distance;
 use crate::epa::Depth;
 use dcd_geom::glam::{DMat3, DVec3};
@@ -18,9 +19,6 @@ const TILTED: f64 = 0.53;
 
 /// What a row of RᵀR − I loses. Unit: u. Three entries of three products: derived 9.1.
 const GRAM: f64 = 10.0;
-
-/// Unit roundoff.
-const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// Two shapes, the first in its own frame, if it is a compound; else both in the world.
 pub(in crate::query) struct Framed<'a> {

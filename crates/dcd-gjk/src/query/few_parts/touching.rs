@@ -1,6 +1,6 @@
 //! The parts of two shapes of which the lanes know that they touch, and mostly how deep: those alone are placed, as they were given.
 
-use super::{Framed, IN_PLACE, Known, is_good, place, touch};
+use super::{Framed, Given, Known, is_good, touch};
 use crate::closed::Axes;
 use crate::epa::{self, Depth};
 use crate::query::manifold::depth_of_patch;
@@ -8,7 +8,6 @@ use crate::query::{Accuracy, CuboidPatch, depths};
 use crate::simd::depth_of_cuboids;
 use crate::{PosedShape, Verdict, mesh};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Pose, Shape};
 
 /// Two parts that touch, and what the lanes found of them.
 #[derive(Clone, Copy, Debug)]
@@ -42,29 +41,9 @@ pub(crate) enum FoundParts<'a> {
     Patch(CuboidPatch<'a>),
 }
 
-/// A part where it is.
-struct Given<'a> {
-    number: u32,
-    shape: &'a Shape,
-    pose: Pose,
-    /// How far its points may be from those of the part that answers are given for, metres.
-    moved: f64,
-}
-
-impl<'a> Given<'a> {
-    fn of(whole: PosedShape<'a>, pose: &Pose, number: u32) -> Option<Self> {
-        let Shape::Compound(compound) = whole.shape else {
-            return Some(Self { number, shape: whole.shape, pose: *pose, moved: 0.0 });
-        };
-        let part = compound.parts().get(number as usize)?;
-        let (pose, moved) = place(pose, part)?;
-        Some(Self { number, shape: &part.shape, pose, moved })
-    }
-
-    fn posed(&self) -> PosedShape<'_> {
-        PosedShape { shape: self.shape, pose: &self.pose }
-    }
-}
+/// For how many parts of a shape there is memory before they are looked at. Larger: memory for nothing. Smaller: more is asked for
+/// later.
+const FEW: usize = 8;
 
 /// Pairs of parts of two shapes in an order that is one for (a, b) and (b, a).
 pub(in crate::query) struct TouchingParts<'a> {
@@ -113,13 +92,13 @@ impl<'a> TouchingParts<'a> {
             if is_swapped { [b, a] } else { [a, b] }
         };
         known.sort_unstable_by_key(numbers);
-        let few = known.len().min(IN_PLACE);
+        let few = known.len().min(FEW);
         let mut parts = [Vec::with_capacity(few), Vec::with_capacity(few)];
         let seen = framed.sides();
         for contact in &*known {
             for (k, number) in numbers(contact).into_iter().enumerate() {
                 if find(&parts[k], number).is_none() {
-                    parts[k].push(Given::of(wholes[k], seen[k].pose, number)?);
+                    parts[k].push(Given::of(wholes[k].shape, seen[k].pose, number)?);
                 }
             }
         }

@@ -22,7 +22,7 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Polytope, Shape, Vector};
 
 /// What the reach of two parts along a normal may be short by. Unit: u of their sizes and distance. Derived: 20.
-const REACH: f64 = 32.0 * (f64::EPSILON / 2.0);
+const REACH: f64 = 32.0 * crate::UNIT;
 
 /// How much more than their compounds' poses those of parts as they were given may be off rotations for a certified manifold.
 /// Larger: wider bounds. Smaller: parts that are measured one by one as they are placed.

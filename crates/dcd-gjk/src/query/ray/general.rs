@@ -16,7 +16,7 @@ const NEAR: f64 = 1e-10;
 const TRIES: i32 = 40;
 
 /// What the rounding of a point of a ray costs. Unit: 2⁻⁵³ of the lengths that go into it.
-const POINT: f64 = 16.0 * (f64::EPSILON / 2.0);
+const POINT: f64 = 16.0 * crate::UNIT;
 
 /// The first hit; of a shape that is bounded and convex. Uncertain of one that has no inside.
 pub(super) fn hit(ray: &Ray, posed: PosedShape<'_>) -> Option<RayHit> {

@@ -7,7 +7,7 @@ use dcd_geom::{HalfSpace, Pose};
 
 /// What the transformed normal and a product with it lose, relative to the sizes that go in: an inverse (32), a
 /// product of a matrix and one of vectors (16), doubled.
-const ROUNDING: f64 = 96.0 * (f64::EPSILON / 2.0);
+const ROUNDING: f64 = 96.0 * crate::UNIT;
 
 pub(super) fn hit(ray: &Ray, half_space: &HalfSpace, pose: &Pose) -> Option<RayHit> {
     let normal = half_space.normal();

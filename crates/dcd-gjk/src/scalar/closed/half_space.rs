@@ -8,15 +8,13 @@
 mod long_gap;
 
 use super::binary::Binary;
+use crate::UNIT;
 use crate::epa::Depth;
 use crate::exact::nearest_point::scaled;
 use crate::simplex::{Scalar, Triple, cross, dot, minus, plus};
 use crate::{Distance, DistanceResult, Method, PosedShape, Reason, Verdict};
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{HalfSpace, Pose, Shape, SupportMap, Vector};
-
-/// Unit roundoff of f64.
-const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// How far a computed gap may be off. Unit: u·(|n|₁·(κ·reach + |δt|₁ + radii) + |o|). N loses 5u a
 /// component, √3 of that in length, its rotation and its products 6u·√3: 19u, and 2u for the sums;

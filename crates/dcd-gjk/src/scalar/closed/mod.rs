@@ -25,6 +25,7 @@ mod triangles;
 pub(crate) mod two_curved;
 mod upright_depth;
 
+use crate::UNIT;
 use crate::epa::Depth;
 use crate::query::Accuracy;
 use crate::{DistanceResult, PosedShape, PosedSupport, Verdict};
@@ -44,9 +45,6 @@ pub(crate) use spheres::{
 };
 pub(crate) use triangles::nearest as nearest_of_triangle;
 pub(crate) use upright_depth::depth as upright_depth;
-
-/// Unit roundoff of f64.
-const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// See `apart` in certificate.rs. Unit: u·m·|d|₁.
 const SEPARATION: f64 = 7.01;

@@ -6,15 +6,13 @@ use super::hull::Hull;
 use super::lattice::{LatticeDifference, Normal, length, rounded, scaled};
 use super::search::Bounds;
 use super::witness::where_ray_leaves;
+use crate::UNIT;
 use dcd_geom::glam::DVec3;
-
-/// Unit roundoff.
-const U: f64 = f64::EPSILON / 2.0;
 
 /// What a quotient of two rounded integers, n·w / |n|, may be off by, relative to itself: 1.01u for
 /// the product, as much for each component of n, 3.01u for the length, 1u for the division; and
 /// a margin.
-const QUOTIENT: f64 = 16.0 * U;
+const QUOTIENT: f64 = 16.0 * UNIT;
 
 /// What the double-double of [`Gap::left_of`] may lose of each bound, relative to the radii: 11 times 2⁻¹⁰³, and a margin
 /// (docs/numerics/proofs.md, "Depth"). Smaller: depths of hardly touching shapes outside their bound.
@@ -83,7 +81,7 @@ impl Answer {
         let near = scaled(gap.lower - rounding, unit);
         let far = scaled(gap.upper + rounding, unit);
         let error = (gap.upper - gap.lower).max(0.0) + 2.0 * rounding + overlap.max(0.0);
-        let error = scaled(error, unit) + 4.0 * U * radius;
+        let error = scaled(error, unit) + 4.0 * UNIT * radius;
         let in_units = radii.map(|radius| scaled(radius, -unit));
         let (depth, error) = match gap.left_of(in_units) {
             Some([above, below]) => {
@@ -98,9 +96,9 @@ impl Answer {
             None => (radius - scaled(gap.lower, unit), error),
         };
         // The sum of the radii is rounded once, the products here once more.
-        let certainty = if far <= radius * (1.0 - 4.0 * U) {
+        let certainty = if far <= radius * (1.0 - 4.0 * UNIT) {
             Certainty::Touching
-        } else if near > radius * (1.0 + 4.0 * U) {
+        } else if near > radius * (1.0 + 4.0 * UNIT) {
             Certainty::Apart
         } else {
             Certainty::Unknown
@@ -120,7 +118,7 @@ impl Answer {
         let [a, b] =
             self.witnesses.map(|w| DVec3::from_array(w.to_array().map(|x| scaled(x, unit))));
         // Scaling may underflow: half the least number each for depth and error.
-        let error = self.error + 4.0 * U * self.depth + 2.0 * f64::from_bits(1);
+        let error = self.error + 4.0 * UNIT * self.depth + 2.0 * f64::from_bits(1);
         let in_range = self.depth.is_finite() && error.is_finite();
         let depth = Depth {
             depth: self.depth.min(f64::MAX),

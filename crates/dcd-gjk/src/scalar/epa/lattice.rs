@@ -2,6 +2,7 @@
 
 use super::wide::Wide;
 use crate::PosedSupport;
+use crate::UNIT;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Matrix, Polytope, Vector};
 
@@ -26,8 +27,6 @@ pub(super) const SLACK: f64 = 8.0;
 
 /// Marks a vertex that belongs to no body.
 const APEX: u32 = u32::MAX;
-
-const U: f64 = f64::EPSILON / 2.0;
 
 /// A vertex of the difference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,7 +182,7 @@ impl<'a> LatticeBody<'a> {
         // coordinate; underflow adds at most half of the least number six times. Doubled, for two
         // vertices are compared, and again for a margin.
         let reach = self.body.map.reach();
-        let error = Vector::norm1(direction) * (18.0 * U * reach + 4.0 * two_to(self.unit))
+        let error = Vector::norm1(direction) * (18.0 * UNIT * reach + 4.0 * two_to(self.unit))
             + f64::from_bits(16);
         let surely_less = largest - 2.0 * error;
         let mut best: Option<Farthest> = None;
@@ -251,7 +250,7 @@ fn unit(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> i32 {
     // Ten roundings of `position` in `apart`, the excess of R's norm over 1 (at most 3e-6), and
     // what the lattice itself rounds.
     let extent = (Vector::norm1(apart) + a.map.outer_radius() + b.map.outer_radius()) * 1.0001
-        + position * (32.0 * U);
+        + position * (32.0 * UNIT);
     (exponent(extent) - POINT_BITS).max(exponent(position * 1.0001) - WORLD_BITS)
 }
 

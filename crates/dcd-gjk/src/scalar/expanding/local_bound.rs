@@ -7,7 +7,7 @@
 use super::least_reach::{self, Least};
 use super::pieces::{Piece, Seen};
 use super::surface::Surface;
-use super::{ExpandingSearch, U};
+use super::{ExpandingSearch, UNIT};
 use crate::Vertex;
 use crate::certificate::Bounds;
 use crate::epa::Depth;
@@ -89,7 +89,7 @@ impl ExpandingSearch<'_, Shape> {
             let least = least_reach::least(&pieces, from)?;
             let (vertex, separation) = lowest(&self.difference, -least.normal);
             let reach = -separation / least.normal.length();
-            if reach - least.reach() <= SAME * U {
+            if reach - least.reach() <= SAME * UNIT {
                 let upper = -bounds.lower_bound(-least.normal, separation);
                 return Some((least, reach, upper));
             }
@@ -130,8 +130,9 @@ fn local_bound(least: &Least, surface: &Surface) -> Option<f64> {
         let across = if steep > 0.0 { apart / steep } else { DVec2::ZERO };
         let all = Symmetric::scalar(-(reach + share * bends_apart));
         let bent = second.plus(all).plus(Symmetric::square(across).times(ridge)).least();
-        (bent > BENT)
-            .then(|| reach - share * reach_apart - TILT * first.length_squared() / bent - LOST * U)
+        (bent > BENT).then(|| {
+            reach - share * reach_apart - TILT * first.length_squared() / bent - LOST * UNIT
+        })
     })
 }
 

@@ -23,6 +23,7 @@ mod swept;
 #[cfg(test)]
 mod tests;
 
+use crate::UNIT;
 use crate::certificate::Bounds;
 use crate::closed::curved;
 use crate::distance::{Approach, approach, proposed, rounded_up};
@@ -50,9 +51,6 @@ const FAT: f64 = 1.0 / (1u64 << 20) as f64;
 /// so small that rounding tilts them. Smaller: more pairs left to the search by samples.
 const CURVED: f64 = 1e-9;
 
-/// Unit roundoff.
-const U: f64 = f64::EPSILON / 2.0;
-
 /// When a search ends, and what its bound may be.
 #[derive(Clone, Copy, Debug)]
 struct Tolerance {
@@ -77,7 +75,7 @@ impl Tolerance {
             // A tenth of what the best f32 lanes are promised to reach.
             Accuracy::F32 => Self { relative: 0.0, of_size: 1e-6, at_end: 0.0, least: 0.0 },
             Accuracy::F64 => {
-                Self { relative: 1e-10, of_size: 256.0 * U, at_end: 1e-10, least: 0.0 }
+                Self { relative: 1e-10, of_size: 256.0 * UNIT, at_end: 1e-10, least: 0.0 }
             }
             Accuracy::Certified => Self { least: SHALLOW, ..Self::of(Accuracy::F64) },
         }
@@ -226,7 +224,7 @@ const ASIDE: f64 = 1e-5;
 fn are_along(found: &Depth, bodies: [PosedSupport<'_, Polytope>; 2]) -> bool {
     let reach = bodies.iter().map(|body| body.map.reach() + body.map.swept_radius()).sum::<f64>();
     let far = bodies.iter().map(|body| body.pose.translation().length()).sum::<f64>();
-    found.missed() <= ASIDE * reach + 16.0 * U * far
+    found.missed() <= ASIDE * reach + 16.0 * UNIT * far
 }
 
 struct ExpandingSearch<'a, S> {
@@ -339,7 +337,7 @@ impl<S: InBlocks> ExpandingSearch<'_, S> {
             normal,
             point_a: points[0] + normal * a.map.radius(),
             point_b: points[1] - normal * b.map.radius(),
-            error_bound: rounded_up((error + 8.0 * U * depth) / scale),
+            error_bound: rounded_up((error + 8.0 * UNIT * depth) / scale),
         };
         // What leaves the range is left to the exact search.
         let numbers = [found.depth, found.error_bound];

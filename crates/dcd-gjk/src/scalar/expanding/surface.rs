@@ -1,12 +1,10 @@
 //! A closed surface of triangles that grows point by point, with rounded planes.
 
 use super::confirm::NearFace;
+use crate::UNIT;
 use crate::{PosedSupport, Vertex};
 use dcd_geom::SupportMap;
 use dcd_geom::glam::DVec3;
-
-/// Unit roundoff.
-const U: f64 = f64::EPSILON / 2.0;
 
 /// The cosine below which a face is seen edge on: 2⁻²⁰. A direction of depth leaves by a face whose cosine is near 1.
 /// Smaller: witnesses whose weights are rounding. Larger: searches that ended early find none.
@@ -166,7 +164,7 @@ impl Surface {
                     continue;
                 }
                 // Barely seen is not seen: a cone over such a face would have a sliver.
-                if normal.dot(point) > distance + 16.0 * U {
+                if normal.dot(point) > distance + 16.0 * UNIT {
                     self.take_away(other);
                 } else {
                     let (from, to) = (vertices[k], vertices[(k + 1) % 3]);
@@ -333,14 +331,14 @@ pub(crate) fn is_inside(corners: [DVec3; 3]) -> bool {
     let permanent = p_abs.x * (q_abs.y * r_abs.z + q_abs.z * r_abs.y)
         + p_abs.y * (q_abs.z * r_abs.x + q_abs.x * r_abs.z)
         + p_abs.z * (q_abs.x * r_abs.y + q_abs.y * r_abs.x);
-    p.dot(q.cross(r)) > 16.0 * U * permanent + f64::MIN_POSITIVE
+    p.dot(q.cross(r)) > 16.0 * UNIT * permanent + f64::MIN_POSITIVE
 }
 
 /// The same of corners whose coordinates are at most 1 but for rounding, with a first look at the determinant alone: the permanent
 /// is then at most 6.
 fn is_inside_within_one(corners: [DVec3; 3]) -> bool {
     let [p, q, r] = corners;
-    p.dot(q.cross(r)) > 16.0 * U * 6.5 || is_inside(corners)
+    p.dot(q.cross(r)) > 16.0 * UNIT * 6.5 || is_inside(corners)
 }
 
 /// At most the distance of a triangle from the origin: its lowest corner along any direction. The
@@ -349,7 +347,7 @@ fn is_inside_within_one(corners: [DVec3; 3]) -> bool {
 pub(super) fn clearance(normal: DVec3, corners: [DVec3; 3]) -> f64 {
     let [p, q, r] = corners;
     let [p, q, r] = [normal.dot(p), normal.dot(q), normal.dot(r)];
-    p.min(q).min(r) * (1.0 - 16.0 * U) - 8.0 * U
+    p.min(q).min(r) * (1.0 - 16.0 * UNIT) - 8.0 * UNIT
 }
 
 #[cfg(test)]

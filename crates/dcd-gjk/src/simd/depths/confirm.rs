@@ -30,7 +30,7 @@ pub(super) const WORST: f64 = 8e-6;
 
 /// What the f64 arithmetic of a depth may be off by. Unit: 2⁻⁵³ of the pair's size. Weights 8, the rotations 12 for each
 /// shape, differences and the product with the normal 8; and a margin.
-const ROUNDED: f64 = 64.0 * f64::EPSILON / 2.0;
+const ROUNDED: f64 = 64.0 * crate::UNIT;
 
 /// An object as the search reads it.
 #[derive(Clone, Copy)]

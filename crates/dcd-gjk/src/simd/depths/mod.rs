@@ -157,22 +157,27 @@ impl<S: MeasureDepth> SimdDepths<S> {
         scratch: &mut TouchingScratch,
         mut answers: Answers<'_, S>,
     ) {
-        let TouchingScratch {
-            surfaces,
-            starts,
-            of_cuboids,
-            patches,
-            cuboids,
-            level,
-            straight,
-            searched,
-            apart,
-            proposals,
-            of_faces,
-            support_scratch,
-        } = scratch;
-        let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
+        let answers = &mut answers;
+        self.answer_by_formulas(objects, scratch, answers);
+        if S::READS_PATCHES && self.accuracy == Accuracy::F32 {
+            self.write_patches(objects, scratch, answers);
+        }
+        self.answer_cuboids(objects, scratch, answers);
+        self.answer_searched(objects, scratch, answers);
+        answers.end();
+    }
+
+    /// Answers those with formulas, and lists the others by what answers them.
+    fn answer_by_formulas(
+        &self,
+        objects: ScenePairs<'_>,
+        scratch: &mut TouchingScratch,
+        answers: &mut Answers<'_, S>,
+    ) {
+        let TouchingScratch { of_cuboids, cuboids, level, straight, searched, apart, .. } = scratch;
+        let accuracy = self.accuracy;
         straight.begin();
+        let answers = &mut *answers;
         let lists = Sort {
             objects,
             accuracy,
@@ -186,65 +191,102 @@ impl<S: MeasureDepth> SimdDepths<S> {
         };
         dispatch_on(self.path, lists);
         straight.answer(answers);
-        if S::READS_PATCHES && accuracy == Accuracy::F32 {
-            let Listed { numbers, pairs } = level;
-            patches::level::find(self.path, frames, pairs, patches);
-            let write = WritePatches { objects, patches, pairs, numbers, answers };
-            dispatch_on(self.path, write);
-            let pairs = &mut of_cuboids.pairs;
-            pairs.append(&mut level.pairs);
-            cuboids.append(&mut level.numbers);
-            patches::find(self.path, frames, pairs, patches);
-            let write = WritePatches { objects, patches, pairs, numbers: cuboids, answers };
-            dispatch_on(self.path, write);
-        }
-        // The axes count of those alone whose patch is not known.
-        of_cuboids::find(self.path, frames, of_cuboids);
+    }
+
+    /// Writes the patches of cuboids where the lanes find them.
+    fn write_patches(
+        &self,
+        objects: ScenePairs<'_>,
+        scratch: &mut TouchingScratch,
+        answers: &mut Answers<'_, S>,
+    ) {
+        let TouchingScratch { of_cuboids, patches, cuboids, level, .. } = scratch;
+        let frames = objects.frames;
+        let Listed { numbers, pairs } = level;
+        patches::level::find(self.path, frames, pairs, patches);
+        let write = WritePatches { objects, patches, pairs, numbers, answers };
+        dispatch_on(self.path, write);
+        let pairs = &mut of_cuboids.pairs;
+        pairs.append(&mut level.pairs);
+        cuboids.append(&mut level.numbers);
+        patches::find(self.path, frames, pairs, patches);
+        let write = WritePatches { objects, patches, pairs, numbers: cuboids, answers };
+        dispatch_on(self.path, write);
+    }
+
+    /// Answers cuboids along the axes that may be the least: those alone whose patch is not known.
+    fn answer_cuboids(
+        &self,
+        objects: ScenePairs<'_>,
+        scratch: &mut TouchingScratch,
+        answers: &mut Answers<'_, S>,
+    ) {
+        let TouchingScratch { of_cuboids, cuboids, .. } = scratch;
+        of_cuboids::find(self.path, objects.frames, of_cuboids);
         let listed = ScenePairs { pairs: &of_cuboids.pairs, ..objects };
         for (place, (&number, &axes)) in cuboids.iter().zip(&of_cuboids.axes).enumerate() {
             listed.look_ahead_to_shapes(place);
             let number = number as usize;
             let sides = objects.posed(objects.pairs[number]);
-            let found = depth_of_cuboids(axes, sides, accuracy);
+            let found = depth_of_cuboids(axes, sides, self.accuracy);
             let found = found.map(|depth| Found { depth, farthest: None });
             answers.write(number, found.as_ref());
         }
-        // What is thought to be apart first, and then what turns out to be.
-        let (of_facets, how) = ((objects, S::READS_FACETS), (Thought::ByRecords, accuracy));
-        apart.answer(self.path, of_facets, how, answers, |_, number| {
+    }
+
+    /// Answers those that need a search: first the pairs whose cores are predicted to be apart, then the others, and at last
+    /// those whose cores the search finds apart.
+    fn answer_searched(
+        &self,
+        objects: ScenePairs<'_>,
+        scratch: &mut TouchingScratch,
+        answers: &mut Answers<'_, S>,
+    ) {
+        let TouchingScratch {
+            surfaces,
+            starts,
+            searched,
+            apart,
+            proposals,
+            of_faces,
+            support_scratch,
+            ..
+        } = scratch;
+        let (accuracy, frames, reads_facets) = (self.accuracy, objects.frames, S::READS_FACETS);
+        let of_facets = (objects, reads_facets);
+        apart.answer(self.path, of_facets, (Thought::ByRecords, accuracy), answers, |_, number| {
             searched.push(frames, (number, objects.pairs[number as usize]));
         });
         searched.end(objects.pairs);
-        if !searched.pairs.is_empty() {
-            let proves = accuracy == Accuracy::F32;
-            let of_pairs = (&*searched.pairs, proves);
-            dispatch_on(self.path, Propose::of(frames, of_pairs, support_scratch, proposals));
-            of_faces.take(searched, proposals);
-            let reads_facets = S::READS_FACETS;
-            of_faces.answer_on(self.path, (objects, reads_facets), answers);
-            starts.begin();
-            let looks_ahead = !objects.have_few_shapes();
-            let apart_numbers = apart.begin();
-            let search = SearchPairs {
-                objects: ScenePairs { pairs: &searched.pairs, ..objects },
-                numbers: &searched.numbers,
-                place: 0,
-                accuracy,
-                starts,
-                proposals,
-                surfaces,
-                apart: apart_numbers,
-                reads_facets,
-                looks_ahead,
-                answers,
-            };
-            search.search_on(self.path);
-            let how = (Thought::BySearch, accuracy);
-            apart.answer(self.path, of_facets, how, answers, |answers, number| {
-                answers.write(number as usize, None);
-            });
+        if searched.pairs.is_empty() {
+            return;
         }
-        answers.end();
+        let proves = accuracy == Accuracy::F32;
+        let of_pairs = (&*searched.pairs, proves);
+        dispatch_on(self.path, Propose::of(frames, of_pairs, support_scratch, proposals));
+        of_faces.take(searched, proposals);
+        of_faces.answer_on(self.path, of_facets, answers);
+        starts.begin();
+        let looks_ahead = !objects.have_few_shapes();
+        let apart_numbers = apart.begin();
+        let search = SearchPairs {
+            objects: ScenePairs { pairs: &searched.pairs, ..objects },
+            numbers: &searched.numbers,
+            place: 0,
+            accuracy,
+            starts,
+            proposals,
+            surfaces,
+            apart: apart_numbers,
+            reads_facets,
+            looks_ahead,
+            answers,
+        };
+        search.search_on(self.path);
+        let how = (Thought::BySearch, accuracy);
+        apart.answer(self.path, of_facets, how, answers, |answers, number| {
+            answers.write(number as usize, None);
+        });
     }
 }
 

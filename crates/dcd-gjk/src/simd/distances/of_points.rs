@@ -15,7 +15,7 @@ const WORST: f64 = 8e-6;
 
 /// What the f64 arithmetic of a distance may be off by: unit 2⁻⁵³ of the pair's size. Weights 8, the
 /// rotations 12 for each shape, differences and the length 8; and a margin.
-const ROUNDED: f64 = 64.0 * f64::EPSILON / 2.0;
+const ROUNDED: f64 = 64.0 * crate::UNIT;
 
 /// The most that the vertices of f32 may be off, relative to the distance between them: the sine of the angle by which that turns
 /// the normal. No unit. Larger: worse normals of shapes that are close. Smaller: more pairs whose vertices are read in f64.
