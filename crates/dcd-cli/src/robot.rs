@@ -172,7 +172,8 @@ pub(crate) struct Robot {
     #[arg(long, value_name = "ARCHIVE")]
     all_problems: Option<PathBuf>,
     /// Write the pairs of links that need no check as an SRDF: Adjacent, Always, and Never within the
-    /// joints' limits, with proved="true" where that is proved and not only sampled
+    /// joints' limits, with proved="true" where that is proved and not only sampled; pairs with a joint
+    /// between them that slides without limits are left to be checked
     #[arg(long, value_name = "OUT.srdf", conflicts_with_all = NOT_WITH_ACM)]
     acm: Option<PathBuf>,
     /// How many states are sampled

@@ -37,7 +37,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<RawMesh, ReadError> {
     let no_materials = |_: &Path| Ok(Default::default());
     // Names may be in any encoding whose bytes below 128 are ASCII: what counts is ASCII.
     let text = String::from_utf8_lossy(without_mark(bytes));
-    let text = text.as_bytes();
+    let text = &without_comments(text.as_bytes())[..];
     check_lines(text)?;
     check_indices(text)?;
     let faces = without_lines(text);
@@ -149,6 +149,26 @@ fn vertex<'a>(words: impl Iterator<Item = &'a str>) -> DVec3 {
         [x, y, z, ..] => DVec3::new(x, y, z),
         _ => DVec3::NAN,
     }
+}
+
+/// The text with the comments behind the numbers of vertices, faces, lines and points made blanks: the library takes them for numbers.
+/// One that hides the end of a line stays, and is refused.
+fn without_comments(text: &[u8]) -> Vec<u8> {
+    let mut plain = Vec::with_capacity(text.len());
+    for line in text.split_inclusive(|&byte| byte == b'\n') {
+        let first = plain.len();
+        plain.extend_from_slice(line);
+        let word = line.split(u8::is_ascii_whitespace).find(|word| !word.is_empty());
+        let comment = line.windows(2).position(|at| at[0].is_ascii_whitespace() && at[1] == b'#');
+        if let (Some(b"v" | b"vt" | b"vn" | b"f" | b"l" | b"p"), Some(at)) = (word, comment) {
+            let said = line[at..].trim_ascii();
+            if !said.contains(&b'\r') && !said.ends_with(b"\\") {
+                let comment = plain[first + at..].iter_mut();
+                comment.filter(|byte| **byte != b'\n').for_each(|byte| *byte = b' ');
+            }
+        }
+    }
+    plain
 }
 
 /// The text with its lines of points made comments: the library takes those of three and more points for

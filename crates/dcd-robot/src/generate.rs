@@ -89,7 +89,8 @@ impl PairReason {
 }
 
 impl PairSearch {
-    /// The pairs of links that need no check, in the order of their names.
+    /// The pairs of links that need no check, in the order of their names. Adjacent ones apart, none of links between which a joint
+    /// slides without limits: what they do far away no sample shows.
     ///
     /// # Errors
     /// A joint whose least value is above its largest; a state within the limits for which a part is out
@@ -104,19 +105,19 @@ impl PairSearch {
         let with_shapes: Vec<usize> = (0..parts.len()).filter(|&k| !parts[k].is_empty()).collect();
         let count = with_shapes.len();
         bounded("pairs of links", count * count.saturating_sub(1) / 2, ALLOWED_PAIRS)?;
+        let joints = Joints::of(robot, &ranges);
         let (mut found, mut open) = (Vec::new(), Vec::new());
         for (k, &a) in with_shapes.iter().enumerate() {
             for &b in &with_shapes[k + 1..] {
                 if parents[a] == Some(b) || parents[b] == Some(a) {
                     found.push(([a, b], PairReason::Adjacent));
-                } else {
+                } else if !ranges.are_endless(&joints.values_between([a, b])) {
                     open.push([a, b]);
                 }
             }
         }
         let sampled = samples::of(robot, &ranges, &parts, open, (self.samples, self.seed))?;
         found.extend(sampled.reasons);
-        let joints = Joints::of(robot, &ranges);
         for pair in sampled.apart {
             match joints.search(pair, &parts, (self.nodes, self.seed))? {
                 Outcome::Free => found.push((pair, PairReason::Never { proved: true })),

@@ -11,7 +11,11 @@ use dcd_geom::{Pose, Shape};
 use glam::{DQuat, DVec3};
 use std::str::FromStr;
 
-/// Reads the text.
+/// How far the squared length of a quaternion may be from 1: it is written with six digits, which lose 5e-7 of each of four numbers
+/// whose sum is at most 2. Smaller: files that are refused as MoveIt writes them. Larger: a scaling passes.
+const PRINTED: f64 = 4e-6;
+
+/// Reads the text. Quaternions that are off unit length by what six digits lose are normalised.
 ///
 /// # Errors
 /// What is no such text; planes; a number that is none, or not finite; two objects of one name; a shape or a pose
@@ -137,6 +141,8 @@ impl<'t> Lines<'t> {
     fn pose(&mut self, name: &str) -> Result<Pose, RobotError> {
         let place = DVec3::from_array(self.numbers()?);
         let turn = DQuat::from_array(self.numbers()?);
+        let is_printed = (turn.length_squared() - 1.0).abs() <= PRINTED;
+        let turn = if is_printed { turn.normalize() } else { turn };
         Pose::new(turn, place).map_err(|error| {
             RobotError::Pose { user: format!("object {name:?}"), error }.at_line(self.line)
         })
@@ -216,6 +222,18 @@ mod tests {
         assert_eq!(shown(&new[1].shape), shown(&Shape::cone(0.2, 0.1).unwrap()));
         assert_eq!(read(&OLD.replace("(noname)+", "")).unwrap().obstacles.len(), 3);
         assert_eq!(read("none\n.\n").unwrap().notes, ["there is no obstacle in it"]);
+    }
+
+    #[test]
+    fn quaternions_of_six_digits_are_taken() {
+        let with =
+            |turn: &str| OLD.replacen("0.7 0.2 0.4\n0 0 0 1", &format!("0.7 0.2 0.4\n{turn}"), 1);
+        let world = read(&with("-0.00297142 0.437944 -0.859485 0.263592")).unwrap();
+        let due = DQuat::from_xyzw(-0.00297142, 0.437944, -0.859485, 0.263592);
+        assert!((due.length_squared() - 1.0).abs() > Pose::UNIT_TOLERANCE);
+        let turned = world.obstacles[0].pose.rotation().mul_vec3(DVec3::X);
+        assert!(turned.distance(due.normalize() * DVec3::X) < 1e-15);
+        assert!(read(&with("0 0 0 1.00001")).is_err());
     }
 
     #[test]

@@ -67,8 +67,9 @@ impl Surface {
         if radius == 0.0 && !is_thin {
             return Self::of_facets(polytope.vertices(), facets);
         }
-        let least = if is_thin { extent * 1e-3 } else { 0.0 };
-        Self::around(polytope.vertices(), radius.max(least))
+        // A sphere or capsule is as thick as it is.
+        let drawn = if radius == 0.0 { extent * 1e-3 } else { radius };
+        Self::around(polytope.vertices(), drawn)
     }
 
     /// The hull of points with a sphere swept round it, drawn by its supports.
@@ -192,6 +193,14 @@ mod tests {
         for shape in thin {
             let drawn = Surface::of(&shape, 10.0);
             assert!(!drawn.triangles.is_empty(), "{shape:?}");
+        }
+        // As large as it is, however wide the scene.
+        for (shape, far) in
+            [(Shape::sphere(0.05).unwrap(), 0.05), (Shape::capsule(0.1, 0.05).unwrap(), 0.15)]
+        {
+            let points = Surface::of(&shape, 1000.0).positions;
+            let farthest = points.iter().fold(0.0f32, |most, p| most.max(p.length()));
+            assert!((farthest - far).abs() < 1e-6, "{farthest} {far}");
         }
         let plane = Surface::of(&Shape::half_space(DVec3::Z * 2.0, 4.0).unwrap(), 10.0);
         assert!(plane.positions.iter().all(|p| p.z == 2.0));

@@ -77,6 +77,12 @@ struct Asset {
 impl Asset {
     fn of(root: Node<'_, '_>) -> Result<Self, MeshError> {
         let mut asset = Self { metres: 1.0, up: "Y_UP" };
+        for name in ["unit", "up_axis"] {
+            let mut said = own(root, "asset").flat_map(|asset| own(asset, name));
+            if let Some(second) = said.nth(1) {
+                return Err(refused(second, format!("a second <{name}>")));
+            }
+        }
         for own_asset in own(root, "asset") {
             asset = asset.with(own_asset)?;
         }

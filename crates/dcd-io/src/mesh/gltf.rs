@@ -11,6 +11,7 @@ mod tests;
 
 use super::triangles::Assembly;
 use super::{MeshError, MeshFormat, MeshOptions, MeshPlace, MeshWarning, TriangleMesh, UpAxis};
+use crate::bytes::without_mark;
 use accessor::Accessors;
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use gltf::mesh::Mode;
@@ -28,6 +29,7 @@ const MAX_VISITS: usize = 1 << 20;
 
 /// Reads the triangles of every mesh of the scene, moved as its nodes say, metres.
 pub(super) fn read(bytes: &[u8], options: &MeshOptions) -> Result<TriangleMesh, MeshError> {
+    let bytes = without_mark(bytes);
     check_header(bytes)?;
     let invalid = |error: gltf::Error| refused("", error.to_string());
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(invalid)?;

@@ -1,6 +1,8 @@
 //! OBJ: what the library reads, after what it would pass over in silence is refused or counted.
 
-use super::{MeshError, MeshFormat, MeshPlace, MeshWarning, TriangleMesh, read_obj};
+use super::{
+    MeshError, MeshFormat, MeshPlace, MeshWarning, TriangleMesh, read_obj, without_comments,
+};
 use crate::ReadError;
 use crate::bytes::without_mark;
 
@@ -55,7 +57,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
 /// alone, as some write their counts. Any other statement could be a surface, and is refused.
 fn passed_over(bytes: &[u8]) -> Result<Vec<MeshWarning>, MeshError> {
     let (mut lines, mut numbers, mut first) = (0, 0, 0);
-    for (index, line) in without_mark(bytes).split(|&byte| byte == b'\n').enumerate() {
+    for (index, line) in
+        without_comments(without_mark(bytes)).split(|&byte| byte == b'\n').enumerate()
+    {
         let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         match words.next() {
             None | Some([b'#', ..] | b"v" | b"vt" | b"vn") => {}
@@ -117,6 +121,18 @@ mod tests {
                 matches!(&error, MeshError::Refused { place: found, .. } if *found == place),
                 "{text}: {error}"
             );
+        }
+    }
+
+    #[test]
+    fn a_comment_may_stand_behind_numbers() {
+        let text = "v 0 0 0 # a\nv 1 0 0\t#b\nv 0 1 0\nf 1 2 3 # 4 5\nf 1 2 # 3\nusemtl steel #2\n";
+        let mesh = read(text.as_bytes()).unwrap();
+        assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (3, 1));
+        assert_eq!(mesh.warnings, [MeshWarning::Lines { count: 1 }]);
+        for bad in ["f 1 2 3#\n", "f 1 2 3 # a\rf 1 2 3\n", "f 1 2 3 # a\\\nf 1 2 3\n"] {
+            let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{bad}");
+            assert!(read(text.as_bytes()).is_err(), "{bad}");
         }
     }
 

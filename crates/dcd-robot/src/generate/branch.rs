@@ -249,7 +249,13 @@ impl<'a> Joints<'a> {
         })
     }
 
-    fn between(&self, links: [usize; 2], parts: &[Vec<usize>]) -> Between {
+    /// The values that move one of two links against the other.
+    pub(super) fn values_between(&self, links: [usize; 2]) -> Vec<usize> {
+        self.values_of(&self.paths(links).0)
+    }
+
+    /// The joints from the last link that carries both to each, and how many moving ones carry both.
+    fn paths(&self, links: [usize; 2]) -> ([Vec<usize>; 2], usize) {
         let [mut path_a, mut path_b] = links.map(|link| {
             let first = self.above[link];
             let next = |&joint: &usize| self.above[self.robot.joints()[joint].parent];
@@ -258,16 +264,26 @@ impl<'a> Joints<'a> {
             path
         });
         let shared = path_a.iter().zip(&path_b).take_while(|(a, b)| a == b).count();
-        let drive = |&joint: &usize| self.robot.joints()[joint].motion.drive();
         // As many as a chain counts.
         let moves = |&&joint: &&usize| self.robot.joints()[joint].motion != Motion::Fixed;
         let common = path_a[..shared].iter().filter(moves).count();
         path_a.drain(..shared);
         path_b.drain(..shared);
+        ([path_a, path_b], common)
+    }
+
+    fn values_of(&self, paths: &[Vec<usize>; 2]) -> Vec<usize> {
+        let drive = |&joint: &usize| self.robot.joints()[joint].motion.drive();
         let mut values: Vec<usize> =
-            path_a.iter().chain(&path_b).filter_map(drive).map(|by| by.value).collect();
+            paths.iter().flatten().filter_map(drive).map(|by| by.value).collect();
         values.sort_unstable();
         values.dedup();
+        values
+    }
+
+    fn between(&self, links: [usize; 2], parts: &[Vec<usize>]) -> Between {
+        let (paths, common) = self.paths(links);
+        let values = self.values_of(&paths);
         let mut pairs = Vec::new();
         for &i in &parts[links[0]] {
             for &j in &parts[links[1]] {
@@ -278,6 +294,6 @@ impl<'a> Joints<'a> {
                 pairs.push(PartPair { parts: [i, j], chains, common });
             }
         }
-        Between { paths: [path_a, path_b], values, pairs }
+        Between { paths, values, pairs }
     }
 }

@@ -14,11 +14,13 @@ pub(super) struct Ranges {
     pub(super) values: Vec<[f64; 2]>,
     /// Whether all that the value may be is within them, or repeats what is.
     pub(super) is_whole: Vec<bool>,
+    /// Whether it may be what no sample has: without limits, and nothing repeats.
+    is_endless: Vec<bool>,
     /// Where quaternions begin.
     quaternions: Vec<usize>,
 }
 
-/// What a joint without limits is sampled in, if it slides: metres. Nothing is proved of it.
+/// What a joint without limits is sampled in, if it slides: metres. Nothing is concluded of what it moves.
 const SLIDE: f64 = 1.0;
 
 /// A little more than half a turn, so that the ends of a full turn overlap.
@@ -30,6 +32,7 @@ impl Ranges {
         let mut ranges = Self {
             values: vec![[0.0; 2]; count],
             is_whole: vec![true; count],
+            is_endless: vec![false; count],
             quaternions: Vec::new(),
         };
         let mut is_limited = vec![false; count];
@@ -51,10 +54,7 @@ impl Ranges {
                     (ranges.values[by.value], is_limited[by.value]) = (limits, true);
                 }
                 None if leads && turns => ranges.values[by.value] = [-HALF_TURN, HALF_TURN],
-                None if leads => {
-                    ranges.values[by.value] = [-SLIDE, SLIDE];
-                    ranges.is_whole[by.value] = false;
-                }
+                None if leads => ranges.values[by.value] = [-SLIDE, SLIDE],
                 _ => {}
             }
         }
@@ -67,9 +67,15 @@ impl Ranges {
             let repeats = turns && by.factor.fract() == 0.0;
             if !(is_limited || repeats) {
                 ranges.is_whole[by.value] = false;
+                ranges.is_endless[by.value] = true;
             }
         }
         Ok(ranges)
+    }
+
+    /// Whether any of these values may be what no sample has.
+    pub(super) fn are_endless(&self, values: &[usize]) -> bool {
+        values.iter().any(|&value| self.is_endless[value])
     }
 
     /// The state nearest to zero.

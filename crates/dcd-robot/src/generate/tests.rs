@@ -109,6 +109,24 @@ fn links_that_nothing_moves_and_that_barely_part_are_no_proof_and_no_panic() {
 }
 
 #[test]
+fn what_slides_without_limits_is_left_to_be_checked() {
+    let ways = [("planar", ""), ("floating", ""), ("prismatic", "<axis xyz=\"1 0 0\"/>")];
+    for (kind, axis) in ways {
+        for samples in [0, 1000] {
+            let links = [link("wall", 3.0, 1.0), link("cart", 0.0, 0.3), link("arm", 0.0, 0.2)];
+            let slide = format!(
+                "<joint name=\"slide\" type=\"{kind}\">{axis}<parent link=\"wall\"/><child link=\"cart\"/></joint>"
+            );
+            let turn = joint("cart", "arm", 0.0, 1.0);
+            let text = format!("<robot name=\"r\">{}{slide}{turn}</robot>", links.concat());
+            let found = PairSearch { samples, ..PairSearch::default() }.run(&robot(&text)).unwrap();
+            assert_eq!(reason(&found, "arm", "wall"), None, "{kind}");
+            assert_eq!(found.len(), 2, "{kind}: {found:?}");
+        }
+    }
+}
+
+#[test]
 fn without_a_sample_nothing_touches_always() {
     let text = format!(
         "<robot name=\"r\"><link name=\"base\"/>{}{}{}{}</robot>",

@@ -56,10 +56,20 @@ impl<'a> Surface<'a, '_> {
         if let Some(hole) = own(part, "ph").next() {
             return Err(refused(hole, "polygons with holes are not supported"));
         }
-        let known = ["input", "p", "vcount", "extra"];
-        if let Some(other) = children(part).find(|child| !known.contains(&child.tag_name().name()))
-        {
+        let is_known = |name: &str| {
+            ["input", "p", "extra"].contains(&name) || (name, kind) == ("vcount", "polylist")
+        };
+        if let Some(other) = children(part).find(|child| !is_known(child.tag_name().name())) {
             return Err(refused(other, format!("an unknown element in <{kind}>")));
+        }
+        if let Some(second) = own(part, "vcount").nth(1) {
+            return Err(refused(second, "a second <vcount>"));
+        }
+        let is_text = |child: &Node<'_, '_>| {
+            child.is_text() && child.text().is_some_and(|text| !text.trim().is_empty())
+        };
+        if part.children().any(|child| is_text(&child)) {
+            return Err(refused(part, format!("text in <{kind}> that is in none of its elements")));
         }
         let lists: Vec<_> = own(part, "p").collect();
         if lists.is_empty() {

@@ -29,6 +29,25 @@ fn with_asset(asset: &str, more: &str, nodes: &str) -> String {
     )
 }
 
+#[test]
+fn what_is_said_twice_or_stands_in_no_element_is_refused() {
+    for asset in [
+        "<unit meter=\"0.01\"/><unit meter=\"1\"/>",
+        "<up_axis>Z_UP</up_axis><up_axis>Y_UP</up_axis>",
+    ] {
+        let refused = read_file(&with_asset(asset, "", "")).unwrap_err().to_string();
+        assert!(refused.contains("a second <"), "{refused}");
+    }
+    let list = |counts: &str| {
+        format!(
+            "<polylist count=\"1\"><input semantic=\"VERTEX\" source=\"#corners\" offset=\"0\"/>{counts}<p>0 1 2</p></polylist>"
+        )
+    };
+    assert!(with_primitives(&list("<vcount>3</vcount>")).is_ok());
+    assert!(with_primitives(&list("<vcount>3</vcount><vcount>3</vcount>")).is_err());
+    assert!(with_primitives(&list("<vcount>3</vcount>4 5 6")).is_err());
+}
+
 fn read_file(text: &str) -> Result<TriangleMesh, MeshError> {
     read(text.as_bytes(), UpAxis::Ros)
 }

@@ -71,6 +71,13 @@ fn text_and_binary_files_are_read_alike() {
 }
 
 #[test]
+fn a_byte_order_mark_is_passed_over() {
+    let text = one_node().to_string();
+    let marked = read(format!("\u{feff}{text}").as_bytes(), &MeshOptions::default());
+    assert_eq!(marked.unwrap(), read_json(&one_node()).unwrap());
+}
+
+#[test]
 fn every_instance_is_moved_by_all_nodes_above_it() {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let nodes = json!([
