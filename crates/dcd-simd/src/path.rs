@@ -22,10 +22,31 @@ impl Path {
     /// Whether this CPU has it.
     #[inline]
     pub fn is_available(self) -> bool {
+        let found = match FOUND.load(Ordering::Relaxed) {
+            0 => Self::find(),
+            found => found,
+        };
+        found & self.bit() != 0
+    }
+
+    /// Asks the CPU for all paths.
+    #[cold]
+    fn find() -> u8 {
+        let found = Self::ALL.into_iter().filter(|path| path.is_detected());
+        let found = found.fold(0, |found, path| found | path.bit());
+        FOUND.store(found, Ordering::Relaxed);
+        found
+    }
+
+    fn bit(self) -> u8 {
+        1 << self as u8
+    }
+
+    fn is_detected(self) -> bool {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => {
-                Self::Avx2.is_available()
+                Self::Avx2.is_detected()
                     && is_x86_feature_detected!("avx512f")
                     && is_x86_feature_detected!("avx512dq")
                     && is_x86_feature_detected!("avx512bw")
@@ -78,6 +99,10 @@ impl Path {
         }
     }
 }
+
+/// The bit of each path that this CPU has; 0 before it was asked. Kernels are dispatched thousands of times a step, and the twelve
+/// features of the widest path are twelve loads.
+static FOUND: AtomicU8 = AtomicU8::new(0);
 
 /// The path that [`Path::force`] has chosen, by its place in [`Path::ALL`] from 1; 0 for none.
 static FORCED: AtomicU8 = AtomicU8::new(0);
