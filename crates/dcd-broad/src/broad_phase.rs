@@ -17,6 +17,7 @@ use dcd_geom::{Aabb, Pair};
 /// ```
 /// use dcd_broad::BroadPhase;
 /// use dcd_exec::{Exec, Segments};
+/// use dcd_geom::glam::Vec3;
 /// use dcd_geom::{Aabb, Pair};
 /// /// Every pair, whatever its boxes: a looser phase is allowed.
 /// #[derive(Default)]

@@ -7,7 +7,7 @@
 use super::later;
 use dcd_bvh::WideBvh;
 use dcd_geom::Pair;
-use dcd_simd::{Kernel, LaneNumbers, Lanes, WIDTH};
+use dcd_simd::{ArrayVec, Kernel, LaneNumbers, Lanes, WIDTH};
 use std::ops::Range;
 
 /// The pairs of some leaves, with themselves and with the leaves after.
@@ -65,30 +65,7 @@ struct Queues {
 
 /// Height and number of the nodes still to be visited. A node is replaced by at most sixteen of the
 /// level below, and a u32 counts the AABBs of at most eight levels.
-struct Stack {
-    nodes: [(usize, usize); 8 * WIDTH],
-    len: usize,
-}
-
-impl Default for Stack {
-    fn default() -> Self {
-        Self { nodes: [(0, 0); 8 * WIDTH], len: 0 }
-    }
-}
-
-impl Stack {
-    #[inline(always)]
-    fn push(&mut self, node: (usize, usize)) {
-        self.nodes[self.len] = node;
-        self.len += 1;
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<(usize, usize)> {
-        self.len = self.len.checked_sub(1)?;
-        Some(self.nodes[self.len])
-    }
-}
+type Stack = ArrayVec<(usize, usize), { 8 * WIDTH }>;
 
 impl Kernel for SelfPairSearch<'_> {
     type Output = ();
