@@ -4,6 +4,7 @@
 use crate::failure::Failure;
 use std::fmt::Display;
 use std::io::{self, Read};
+use std::path::Path;
 
 /// The most physical memory that this process has held so far, bytes: `VmHWM` of Linux. `None` on
 /// other systems, which have no such file.
@@ -36,11 +37,19 @@ fn address_space() -> Option<u64> {
     Some(limit.saturating_sub(field("/proc/self/status", "VmSize:")?))
 }
 
+/// What the control group of this process and those around it leave, the least of them.
 fn control_group() -> Option<u64> {
-    let number = |name: &str| -> Option<u64> {
-        std::fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok()?.trim().parse().ok()
+    let own = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+    // Of version 2, relative to where its files are.
+    let own = own.lines().find_map(|line| line.strip_prefix("0::/")).unwrap_or("");
+    let left = |group: &Path| -> Option<u64> {
+        let number = |name: &str| -> Option<u64> {
+            let file = Path::new("/sys/fs/cgroup").join(group).join(name);
+            std::fs::read_to_string(file).ok()?.trim().parse().ok()
+        };
+        Some(number("memory.max")?.saturating_sub(number("memory.current")?))
     };
-    Some(number("memory.max")?.saturating_sub(number("memory.current")?))
+    Path::new(own).ancestors().filter_map(left).min()
 }
 
 /// Checks that so many bytes are available.

@@ -292,7 +292,7 @@ impl Robot {
         glb: Option<Output>,
     ) -> Result<Answer, Failure> {
         let mut world = self.load_world(&model, srdf)?;
-        allowed.extend(&world.allowed);
+        extend(&mut allowed, &world.allowed);
         let state = self.state_of(&model, srdf, &mut world)?;
         model
             .beyond_limits(&state)
@@ -319,7 +319,7 @@ impl Robot {
         Ok(Answer {
             robot: cell.robot().name.clone(),
             geometry: self.geometry(cell.robot()),
-            links_with_shapes: cell.robot().parts().len(),
+            links_with_shapes: links_with_shapes(cell.robot()),
             obstacles: world.obstacles.len(),
             state: cell.robot().variables().iter().cloned().zip(state).collect(),
             candidates,
@@ -352,7 +352,7 @@ impl Robot {
         outputs: lines::Outputs,
     ) -> Result<(), Failure> {
         let world = self.load_world(model, srdf)?;
-        allowed.extend(&world.allowed);
+        extend(&mut allowed, &world.allowed);
         // Mesh files of what is carried are beside the file that names them.
         let folder = path.parent().unwrap_or(Path::new("."));
         let meshes = MeshSource { paths: MeshPaths::new(folder), ..self.meshes()? };
@@ -420,6 +420,22 @@ fn load_srdf(paths: &[PathBuf], model: &Model) -> Result<Option<Srdf>, Failure> 
         }
     }
     Ok(all)
+}
+
+/// Takes over what a scene says of pairs, and prints where MoveIt would check more of them.
+fn extend(allowed: &mut AllowedPairs, of_scene: &AllowedPairs) {
+    let beyond = allowed.beyond_matrix_of(of_scene);
+    if beyond > 0 {
+        print_message(format_args!(
+            "{beyond} pairs may touch by the SRDF alone; MoveIt would check them, for the scene's matrix takes the SRDF's place there"
+        ));
+    }
+    allowed.extend(of_scene);
+}
+
+/// How many links have a shape, or carry one.
+fn links_with_shapes(robot: &Model) -> usize {
+    robot.parts().iter().map(|part| part.link).collect::<BTreeSet<_>>().len()
 }
 
 /// Prints what a file says that is not used, or that a planner would warn of.

@@ -105,6 +105,12 @@ fn a_clearance_is_reported_with_its_pair_and_its_derivatives() {
     let deep = &found[1]["clearance"];
     assert!(near(&deep["distance"], 0.0) && found[1]["free"] == false, "{deep}");
     assert_eq!(deep["pair"], json!(["lower", "wall"]));
+    // A padded link is another object, behind the obstacles; its normal points from the first name to the other all the same.
+    let padded = dcd(&[&arguments[..], &["--padding", "0.1"]].concat());
+    let deep = &lines(&padded.stdout)[1]["clearance"];
+    assert!(near(&deep["distance"], -0.1) && near(&deep["normal"][0], 1.0), "{deep}");
+    assert_eq!(deep["pair"], json!(["lower", "wall"]));
+    assert!(near(&deep["point_a"][0], 4.35) && near(&deep["point_b"][0], 4.25), "{deep}");
     let alone = dcd(&["robot", &urdf, "--clearance"]);
     assert_eq!(alone.code, Some(2), "{alone:?}");
 }

@@ -66,6 +66,18 @@ impl AllowedPairs {
         self.layers.extend(other.layers.iter().cloned());
     }
 
+    /// How many pairs may touch here of which a scene, with a matrix of its own, says nothing: MoveIt takes that matrix in place of all
+    /// that an SRDF says, and checks them.
+    pub fn beyond_matrix_of(&self, scene: &Self) -> usize {
+        if !scene.layers.iter().any(Layer::has_matrix) {
+            return 0;
+        }
+        let named = self.layers.iter().flat_map(Layer::named).filter(|(_, may)| *may);
+        let is_said =
+            |a: &str, b: &str| scene.layers.iter().any(|layer| layer.says(a, b).is_some());
+        named.filter(|([a, b], _)| !is_said(a, b)).count()
+    }
+
     pub(super) fn push(&mut self, layer: Layer) {
         self.layers.push(layer);
     }

@@ -11,8 +11,9 @@ use glam::{DQuat, DVec3};
 /// The signed distance of a link and what it may touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clearance {
-    /// The two objects of [`Workcell::scene`], i < j; [`Workcell::names_of`] has their names.
-    pub pair: Pair,
+    /// The two objects of [`Workcell::scene`], a and b of the proximity: the robot's first, of two of the robot's that of the
+    /// earlier part. [`Workcell::names_of`] has their names in that order.
+    pub objects: [u32; 2],
     /// Signed distance, bound, normal, points and derivatives with respect to both poses.
     pub proximity: Proximity,
     /// The derivative of the signed distance by each of [`Robot::variables`], metres a radian or metres a
@@ -45,7 +46,7 @@ impl Workcell {
             return Err(RobotError::BadNumber { what, user, value: margin });
         }
         let mut found = self.nearest(state, margin, Keep::All)?;
-        found.sort_unstable_by_key(|clearance| clearance.pair);
+        found.sort_unstable_by_key(|clearance| clearance.objects);
         Ok(found)
     }
 
@@ -60,26 +61,30 @@ impl Workcell {
         let limit = margin.min(Aabb::LIMIT);
         let solver = Proximities::within(limit).map_err(refused)?;
         let mut scratch = Scratch::default();
-        let mut found: Vec<(Pair, Proximity)> = Vec::new();
+        let mut found: Vec<([u32; 2], Proximity)> = Vec::new();
         let mut least = Least::default();
         for (gap, pair) in self.pairs_by_gap() {
             // No pair from here on is nearer than its boxes, which say nothing of depths.
             if gap > limit || keep == Keep::Least && gap > least.signed_distance().max(0.0) {
                 break;
             }
-            match solver.solve(self.posed(pair.i), self.posed(pair.j), &mut scratch) {
+            let objects = self.in_order(pair);
+            let [a, b] = objects.map(|object| self.posed(object));
+            match solver.solve(a, b, &mut scratch) {
                 Verdict::Apart => {}
-                Verdict::Touching(proximity) if keep == Keep::All => found.push((pair, proximity)),
-                Verdict::Touching(proximity) => least.take(pair, proximity),
-                Verdict::Undecided(reason) => return Err(self.unknown(pair, reason)),
+                Verdict::Touching(found_here) if keep == Keep::All => {
+                    found.push((objects, found_here));
+                }
+                Verdict::Touching(found_here) => least.take(objects, found_here),
+                Verdict::Undecided(reason) => return Err(self.unknown(objects, reason)),
             }
         }
         found.extend(least.with_its_bound());
         let frames = self.robot().link_frames(state)?;
-        let clearance = |(pair, proximity)| Clearance {
-            pair,
+        let clearance = |(objects, proximity)| Clearance {
+            objects,
             proximity,
-            gradient: self.by_joints(state, &frames, pair, &proximity),
+            gradient: self.by_joints(state, &frames, objects, &proximity),
         };
         Ok(found.into_iter().map(clearance).collect())
     }
@@ -107,8 +112,8 @@ impl Workcell {
         PosedShape { shape: scene.shape(object), pose: &scene.poses()[object] }
     }
 
-    fn unknown(&self, pair: Pair, reason: dcd_gjk::Reason) -> RobotError {
-        let [a, b] = self.names_of(pair.into());
+    fn unknown(&self, [a, b]: [u32; 2], reason: dcd_gjk::Reason) -> RobotError {
+        let [a, b] = self.names_of((a, b));
         let user = format!("the signed distance of {a:?} and {b:?}");
         RobotError::Refused { user, why: format!("it is not known: {reason:?}") }
     }
@@ -118,11 +123,11 @@ impl Workcell {
         &self,
         state: &[f64],
         frames: &[JointFrame],
-        pair: Pair,
+        [a, b]: [u32; 2],
         proximity: &Proximity,
     ) -> Vec<f64> {
         let mut gradient = vec![0.0; state.len()];
-        for (object, twist) in [(pair.i, proximity.gradient.a), (pair.j, proximity.gradient.b)] {
+        for (object, twist) in [(a, proximity.gradient.a), (b, proximity.gradient.b)] {
             let Some(part) = self.part_of(object as usize) else { continue };
             let link = self.robot().parts()[part].link;
             let origin = self.scene().poses()[object as usize].translation();
@@ -142,7 +147,7 @@ enum Keep {
 /// The least of signed distances, each known to within its own bound.
 #[derive(Default)]
 struct Least {
-    found: Option<(Pair, Proximity)>,
+    found: Option<([u32; 2], Proximity)>,
     /// No true distance is below this, metres.
     lower: Option<f64>,
 }
@@ -152,21 +157,21 @@ impl Least {
         self.found.map_or(f64::INFINITY, |(_, proximity)| proximity.signed_distance)
     }
 
-    fn take(&mut self, pair: Pair, proximity: Proximity) {
+    fn take(&mut self, objects: [u32; 2], proximity: Proximity) {
         // A step outward is more than a difference's rounding, here and below.
         let lower = (proximity.signed_distance - proximity.error_bound).next_down();
         self.lower = Some(self.lower.map_or(lower, |least| least.min(lower)));
         if proximity.signed_distance < self.signed_distance() {
-            self.found = Some((pair, proximity));
+            self.found = Some((objects, proximity));
         }
     }
 
     /// The least with a bound that reaches down to what any other may be; where f64 does not hold it, `f64::MAX`.
-    fn with_its_bound(self) -> Option<(Pair, Proximity)> {
-        let (pair, mut proximity) = self.found?;
+    fn with_its_bound(self) -> Option<([u32; 2], Proximity)> {
+        let (objects, mut proximity) = self.found?;
         let down = (proximity.signed_distance - self.lower?).next_up();
         proximity.error_bound = proximity.error_bound.max(down).min(f64::MAX);
-        Some((pair, proximity))
+        Some((objects, proximity))
     }
 }
 

@@ -1,14 +1,16 @@
 //! Links made larger by a scene's `link_padding` and `link_scale`.
 
 use super::world::Padding;
-use dcd_geom::{CurvedKind, Kind, Shape, ShapeError};
+use dcd_geom::{CurvedKind, Kind, Pose, Shape, ShapeError};
 use glam::DVec3;
 
 impl Padding {
-    /// The shape scaled, and then grown by the padding on all sides, never by less than MoveIt grows
-    /// it: boxes and cylinders stay what they are; all else becomes what is within the padding of it.
-    /// Boxes and cylinders are scaled about their middle, hulls and meshes about the mean of their
-    /// vertices, each part of a compound like a shape of its own. What is swept round a shape is scaled with it.
+    /// The shape scaled, and then grown by the padding on all sides, never by less than MoveIt pads
+    /// it: boxes and cylinders stay what they are; a cone becomes what is within the padding of it and the cone that is longer and
+    /// wider by it; all else becomes what is within the padding of it.
+    /// Boxes, cylinders and cones are scaled about their middle, hulls and meshes about the mean of their
+    /// vertices (MoveIt: of all vertices of the mesh that a hull was made of), each part of a compound like a shape of its own. What
+    /// is swept round a shape is scaled with it.
     pub(super) fn applied(&self, shape: &Shape) -> Result<Shape, ShapeError> {
         let Self { scale, padding, against_robot: _ } = *self;
         match shape {
@@ -28,7 +30,15 @@ impl Padding {
                     CurvedKind::Cylinder => {
                         Shape::cylinder(half + padding, radius + padding)?.rounded(swept)
                     }
-                    CurvedKind::Cone => Shape::cone(half, radius)?.rounded(swept + padding),
+                    CurvedKind::Cone => {
+                        let round = Shape::cone(half, radius)?.rounded(swept + padding)?;
+                        if padding == 0.0 {
+                            return Ok(round);
+                        }
+                        let longer = Shape::cone(half + padding, radius + padding)?;
+                        let both = [round, longer.rounded(swept)?];
+                        Shape::compound(both.map(|cone| (cone, Pose::IDENTITY)).to_vec())
+                    }
                     _ => Err(ShapeError::BadLength { what: "padding", value: padding }),
                 }
             }
@@ -42,9 +52,18 @@ impl Padding {
                 Shape::ellipsoid(ellipsoid.half_axes() * scale)?.rounded(radius)
             }
             Shape::Compound(compound) => {
-                let parts = compound.parts().iter();
-                let parts = parts.map(|part| Ok((self.applied(&part.shape)?, part.pose)));
-                Shape::compound(parts.collect::<Result<_, ShapeError>>()?)
+                let mut parts = Vec::with_capacity(compound.parts().len());
+                for part in compound.parts() {
+                    match self.applied(&part.shape)? {
+                        // All of a cone's stand where it stood.
+                        Shape::Compound(grown) => {
+                            let own = grown.parts().iter();
+                            parts.extend(own.map(|own| (own.shape.clone(), part.pose)));
+                        }
+                        grown => parts.push((grown, part.pose)),
+                    }
+                }
+                Shape::compound(parts)
             }
             // A half-space, scaled about a point of its plane, is what it was.
             other => other.swept(padding),
@@ -129,6 +148,25 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_padded_cone_holds_what_moveit_makes_of_it() {
+        let cone = Shape::cone(0.05, 0.05).unwrap();
+        let padded = Padding { padding: 0.02, ..Padding::NONE }.applied(&cone).unwrap();
+        // Its rim, which is farther from the cone than the padding.
+        let of_moveit = Shape::cone(0.07, 0.07).unwrap();
+        for turn in 0..20 {
+            let pose = Pose::new(DQuat::from_rotation_y(0.3 * f64::from(turn)), DVec3::ZERO);
+            let [grown, due] =
+                [&padded, &of_moveit].map(|shape| shape.aabb(pose.as_ref().unwrap()));
+            assert!(grown.contains(&due), "{turn}");
+        }
+        let part = (cone, Pose::from_translation(DVec3::X).unwrap());
+        let held = Shape::compound(vec![part]).unwrap();
+        let held = Padding { padding: 0.02, ..Padding::NONE }.applied(&held).unwrap();
+        let Shape::Compound(held) = held else { panic!("{held:?}") };
+        assert_eq!(held.parts().len(), 2);
     }
 
     #[test]

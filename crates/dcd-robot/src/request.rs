@@ -3,7 +3,7 @@
 use super::kinematics::JointFrame;
 use super::notes::Unused;
 use super::scene::{MultiDof, each_once, joint_values};
-use super::{Robot, RobotError, Srdf, World, xml, yaml};
+use super::{MovedJoint, Robot, RobotError, Srdf, World, xml, yaml};
 use dcd_moveit::{MotionPlanRequest, RobotState};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -146,17 +146,22 @@ impl Robot {
     /// out. Values of joints that are fixed here, or that mimic others, say nothing.
     ///
     /// # Errors
-    /// A name that no joint has; a value that is not finite.
+    /// A name that no joint has, or one of several values; a value that is not finite.
     pub fn state(&self, values: &[(String, f64)]) -> Result<Vec<f64>, RobotError> {
         let (own, mut known) = (self.variables(), HashMap::new());
         known.extend(self.joints().iter().map(|joint| (joint.name.as_str(), None)));
-        known.extend(self.moved_joints().iter().map(|joint| (joint.name.as_str(), None)));
         known.extend(own.iter().map(String::as_str).zip((0..).map(Some)));
         let mut state = self.rest_state();
         for (name, value) in values {
             if !value.is_finite() {
                 let user = format!("joint {name:?}");
                 return Err(RobotError::BadNumber { what: "value", user, value: *value });
+            }
+            let of_several = |joint: &&MovedJoint| joint.values.len() > 1 && joint.name == *name;
+            if let Some(joint) = self.moved_joints().iter().find(of_several) {
+                let (user, names) = (format!("joint {name:?}"), &own[joint.values.clone()]);
+                let why = format!("it has {} values: {}", names.len(), names.join(", "));
+                return Err(RobotError::Refused { user, why });
             }
             match known.get(name.as_str()) {
                 Some(&Some(index)) => state[index] = *value,

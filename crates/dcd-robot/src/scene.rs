@@ -268,7 +268,19 @@ impl MultiDof {
         srdf: Option<&Srdf>,
     ) -> Result<Self, RobotError> {
         let WithLine { value, line } = &state.multi_dof_joint_state;
-        Self::of_joints(value, robot, srdf).map_err(|error| error.at_line(*line))
+        let said = Self::of_joints(value, robot, srdf).and_then(|said| said.check_once(state));
+        said.map_err(|error| error.at_line(*line))
+    }
+
+    /// Refuses a value that `joint_state` has too: which of the two counts would be a guess.
+    fn check_once(self, state: &RobotState) -> Result<Self, RobotError> {
+        let names = &state.joint_state.value.name;
+        match self.values.iter().find(|(name, _)| names.contains(name)) {
+            Some((name, _)) => {
+                Err(RobotError::Twice { what: "value of joint", name: name.clone() })
+            }
+            None => Ok(self),
+        }
     }
 
     fn of_joints(

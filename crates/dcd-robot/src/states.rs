@@ -12,6 +12,7 @@ use super::urdf::Geometry;
 use super::{Attached, JointPath, LinkShapes, MeshSource, MovedJoint, Robot, RobotError};
 use dcd_geom::Pose;
 use glam::{DQuat, DVec3};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A state, and what the robot carries in it.
@@ -64,13 +65,25 @@ pub struct StateReader<'a> {
     meshes: MeshSource,
     /// The last line's carried objects as JSON, and what they are.
     last: (Option<Json>, Arc<[AttachedObject]>),
+    /// What a user should know of the carried meshes, and whether it was handed out.
+    notes: BTreeMap<String, bool>,
 }
 
 impl<'a> StateReader<'a> {
     /// For a robot whose joints are at `defaults` (a value for each of [`Robot::variables`]) where a
     /// line says nothing else; `meshes` says where the mesh files of carried objects are.
     pub fn new(robot: &'a Robot, defaults: Vec<f64>, meshes: MeshSource) -> Self {
-        Self { robot, defaults, meshes, last: (None, Arc::new([])) }
+        Self { robot, defaults, meshes, last: (None, Arc::new([])), notes: BTreeMap::new() }
+    }
+
+    /// What a user should know of the meshes that were carried since the last call: a sentence each, each once.
+    pub fn take_notes(&mut self) -> Vec<String> {
+        let new = self.notes.iter_mut().filter(|(_, is_said)| !**is_said);
+        new.map(|(note, is_said)| {
+            *is_said = true;
+            note.clone()
+        })
+        .collect()
     }
 
     /// Reads one line.
@@ -162,7 +175,7 @@ impl<'a> StateReader<'a> {
         Ok(Arc::clone(&self.last.1))
     }
 
-    fn object(&self, said: &Json) -> Result<AttachedObject, RobotError> {
+    fn object(&mut self, said: &Json) -> Result<AttachedObject, RobotError> {
         const USER: &str = "attached object";
         let keys = ["name", "link", "touch", "shape", "pose"];
         let [name, link, touch, shape, pose] = said.fields(keys, USER)?;
@@ -180,7 +193,11 @@ impl<'a> StateReader<'a> {
             // A budget is for the links.
             _ => LinkShapes::Hulls,
         };
-        let shape = Shapes::new(&self.meshes).shape(&geometry, (&user, meshes))?.shape;
+        let mut shapes = Shapes::new(&self.meshes);
+        let shape = shapes.shape(&geometry, (&user, meshes))?.shape;
+        for note in shapes.notes() {
+            self.notes.entry(note).or_insert(false);
+        }
         let pose = pose.map_or(Ok(Pose::IDENTITY), |pose| posed(pose, &user))?;
         let parts = vec![(shape, JointFrame::of_pose(&pose))];
         Ok(AttachedObject {

@@ -6,7 +6,7 @@ mod pairs;
 use super::kinematics::JointFrame;
 use super::model::Part;
 use super::{AllowedPairs, Obstacle, Padding, Robot, RobotError, World};
-use dcd_geom::{Filter, Object, Pose, Scene, Shape};
+use dcd_geom::{Filter, Object, Pair, Pose, Scene, Shape};
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
@@ -185,12 +185,19 @@ impl Workcell {
     /// # Panics
     /// One of them is not in the scene.
     pub fn names_of(&self, (i, j): (u32, u32)) -> [&str; 2] {
-        let own = |k: u32| {
-            let k = k as usize;
-            k.checked_sub(self.first_padded).map_or(k, |padded| self.padded[padded])
-        };
-        let (i, j) = (own(i), own(j));
+        let (i, j) = (self.unpadded(i), self.unpadded(j));
         [i.min(j), i.max(j)].map(|k| self.names[k].as_str())
+    }
+
+    /// A pair in the order of its names.
+    pub(super) fn in_order(&self, Pair { i, j }: Pair) -> [u32; 2] {
+        if self.unpadded(i) <= self.unpadded(j) { [i, j] } else { [j, i] }
+    }
+
+    /// The object that a padded one stands for, or the object itself.
+    fn unpadded(&self, object: u32) -> usize {
+        let object = object as usize;
+        object.checked_sub(self.first_padded).map_or(object, |padded| self.padded[padded])
     }
 
     /// The part of [`Robot::parts`] that moves an object of the scene; none for an obstacle.

@@ -162,8 +162,14 @@ impl Course {
         let mut sums = [Duration::ZERO; 2];
         for frame in 0..FRAMES {
             let scene = moving.scene();
-            let (of_plain, step) = time(|| plain.step(scene, Par::Serial));
-            let (of_coherent, remembering) = time(|| coherent.step(scene, Par::Serial));
+            // In turns: the second reads a scene that the first has just read.
+            let ((of_plain, step), (of_coherent, remembering)) = if frame % 2 == 0 {
+                let plain = time(|| plain.step(scene, Par::Serial));
+                (plain, time(|| coherent.step(scene, Par::Serial)))
+            } else {
+                let coherent = time(|| coherent.step(scene, Par::Serial));
+                (time(|| plain.step(scene, Par::Serial)), coherent)
+            };
             ensure!(remembering.contacts().eq(step.contacts()), "frame {frame} differs");
             ensure!(step.report().undecided().is_empty(), "frame {frame} has undecided pairs");
             let known = remembering.report().resolved(Method::Remembered) as f64;

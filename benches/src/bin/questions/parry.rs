@@ -21,6 +21,7 @@ pub(crate) struct Parry {
     objects: Vec<(usize, <f32 as Library>::Pose)>,
     pairs: Vec<Pair>,
     margin: f32,
+    boxes: Vec<<f32 as Library>::Box>,
     tree: <f32 as Library>::Tree,
     own_pairs: Vec<(u32, u32)>,
 }
@@ -42,6 +43,7 @@ impl Parry {
             objects: placed.collect::<Result<_>>()?,
             pairs: pairs.to_vec(),
             margin: margin as f32,
+            boxes: vec![<f32 as Library>::NO_BOX; scene.len()],
             tree: Default::default(),
             own_pairs: Vec::new(),
         })
@@ -55,10 +57,14 @@ impl Parry {
     /// Parry's own step: boxes, grown by half the margin, the binned tree, the tree against itself, and the query
     /// of each pair. Returns how many it finds.
     pub(crate) fn step(&mut self, kind: Kind, par: Par) -> usize {
-        let boxes = self.objects.iter().map(|(form, pose)| {
-            <f32 as Library>::boxed(&self.forms[*form], pose).loosened(self.margin / 2.0)
+        let Self { forms, objects, boxes, margin, .. } = &mut *self;
+        let grown = *margin / 2.0;
+        Exec::from(par).divide((&objects[..], &mut boxes[..]), TASK, |_, (objects, boxes)| {
+            for ((form, pose), slot) in objects.iter().zip(boxes) {
+                *slot = <f32 as Library>::boxed(&forms[*form], pose).loosened(grown);
+            }
         });
-        <f32 as Library>::rebuild(boxes, &mut self.tree);
+        <f32 as Library>::rebuild(self.boxes.iter().copied(), &mut self.tree);
         let mut pairs = std::mem::take(&mut self.own_pairs);
         <f32 as Library>::collect_leaf_pairs(&mut self.tree, par.into(), &mut pairs);
         let found = self.found_of(kind, par, pairs.len(), |k| [pairs[k].0, pairs[k].1]);

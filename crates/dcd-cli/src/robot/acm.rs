@@ -40,9 +40,7 @@ impl Acm<'_> {
         let mut pairs = self.search.run(robot).map_err(refused)?;
         drop(progress);
         let mut counted = Counted::of(&pairs);
-        let mut links: Vec<usize> = robot.parts().iter().map(|part| part.link).collect();
-        links.dedup();
-        counted.links = links.len();
+        counted.links = super::links_with_shapes(robot);
         counted.samples = self.search.samples;
         for LinkPair { links: [a, b], .. } in
             pairs.iter().filter(|pair| pair.reason == PairReason::Default)

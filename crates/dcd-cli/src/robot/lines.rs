@@ -179,6 +179,7 @@ pub(super) fn answer<Q: Question>(
         (Tally::new(Q::PLURAL), PerThread::default(), Segments::default());
     loop {
         let (block, ended) = read_block::<Q>(&mut lines, &mut reader, block_size);
+        reader.take_notes().iter().for_each(|note| print_message(format_args!("{note}")));
         for (k, item) in (tally.lines..).zip(&block) {
             tally.note_limits(given.robot, item.as_ref().map_or(&[], Q::states), (&place, k + 1));
         }

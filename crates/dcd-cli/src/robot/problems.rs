@@ -197,7 +197,9 @@ impl Checked {
             });
             said.for_each(|said| runner.count_note(said));
         }
+        let begun = Instant::now();
         let mut cell = Workcell::new((*robot).clone(), &world, &allowed).map_err(refused)?;
+        runner.spent.preparation += begun.elapsed();
         if cell.is_padded() {
             return Err(Failure::Input("padded links are not checked beside Parry".into()));
         }

@@ -21,7 +21,7 @@ with one of {"box": [x, y, z]} (edges), {"sphere": radius}, {"cylinder": [radius
   {"state": k, "free": true|false|null, "contacts": [["a", "b"], …], "undecided": [["a", "b"], …]}
 k counts from 0; each pair of contacts and of undecided is there once, its names and the pairs sorted; free is true only if every pair is proved apart, false if one is proved touching, else null; undecided is there where a pair is. With --clearance there is also
   "clearance": {"distance": metres, "error_bound": …, "pair": ["a", "b"], "normal": [..], "point_a": [..], "point_b": [..], "gradient": {"joint": …, …}}
-the least signed distance of all pairs that are checked (below 0: how deep they overlap), the bound that holds for it, points and normal (from a to b) in the world, and its derivative by each value of a state; null where there is no pair. A line that is no state comes out as {"state": k, "error": "line …"}, and the run goes on; the exit code is 2 then."#;
+the least signed distance of all pairs that are checked (below 0: how deep they overlap), the bound that holds for it, points and normal (from a to b) in the world, and its derivative by each value of a state; null where there is no pair, {"error": …} where one is not known. A line that is no state comes out as {"state": k, "error": "line …"}, and the run goes on; the exit code is 2 then."#;
 
 /// `--states`: which links touch in each.
 pub(super) struct States {
@@ -100,9 +100,17 @@ pub(super) struct Answer {
     contacts: BTreeSet<[String; 2]>,
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     undecided: BTreeSet<[String; 2]>,
-    /// Only on request; then `None` where there is no pair.
+    /// Only on request.
     #[serde(skip_serializing_if = "Option::is_none")]
-    clearance: Option<Option<Nearest>>,
+    clearance: Option<Measured>,
+}
+
+/// The least signed distance, if there is a pair and it is known.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+enum Measured {
+    Known(Option<Nearest>),
+    Unknown { error: String },
 }
 
 /// The least signed distance of a state.
@@ -120,12 +128,12 @@ struct Nearest {
 
 impl Nearest {
     fn of(cell: &Workcell, clearance: &Clearance) -> Self {
-        let Clearance { pair, proximity, gradient } = clearance;
+        let &Clearance { objects: [a, b], proximity, ref gradient } = clearance;
         let variables = cell.robot().variables().iter().cloned();
         Self {
             distance: proximity.signed_distance,
             error_bound: proximity.error_bound,
-            pair: cell.names_of((*pair).into()).map(str::to_owned),
+            pair: cell.names_of((a, b)).map(str::to_owned),
             normal: proximity.normal.to_array(),
             point_a: proximity.point_a.to_array(),
             point_b: proximity.point_b.to_array(),
@@ -170,8 +178,13 @@ impl Question for States {
             (true, false) => None,
         };
         let clearance = if self.clearance {
-            let nearest = kept.cell.clearance(&state.values)?;
-            Some(nearest.map(|nearest| Nearest::of(&kept.cell, &nearest)))
+            // What is proved of contacts stands, whatever is known of distances.
+            Some(match kept.cell.clearance(&state.values) {
+                Ok(nearest) => {
+                    Measured::Known(nearest.map(|found| Nearest::of(&kept.cell, &found)))
+                }
+                Err(error) => Measured::Unknown { error: error.to_string() },
+            })
         } else {
             None
         };

@@ -89,6 +89,10 @@ impl Layer {
         )
     }
 
+    pub(super) fn has_matrix(&self) -> bool {
+        !self.matrix.names.is_empty()
+    }
+
     /// Every pair that is named, with what is said of it.
     pub(crate) fn named(&self) -> impl Iterator<Item = ([&str; 2], bool)> {
         let listed = self.pairs.iter().map(|([a, b], &may)| ([a.as_str(), b.as_str()], may));

@@ -101,10 +101,54 @@ fn the_clearance_is_the_least_of_all_pairs_each_measured_alone() {
             .collect();
         due.sort_unstable();
         let near = cell.clearances(&state, margin).unwrap();
-        assert_eq!(near.iter().map(|near| near.pair).collect::<Vec<_>>(), due);
+        let due: Vec<[u32; 2]> = due.iter().map(|pair| [pair.i, pair.j]).collect();
+        assert_eq!(near.iter().map(|near| near.objects).collect::<Vec<_>>(), due);
     }
     assert!(touching > 20, "{touching}");
     assert!(cell.clearances(&draw.state(), f64::NAN).is_err());
+}
+
+#[test]
+fn the_normal_points_from_the_first_name_to_the_other_beside_padded_links_too() {
+    let (cell, mut draw) = (cell(), Draw(4));
+    let world = World {
+        obstacles: (0..cell.names().len())
+            .filter(|&i| cell.part_of(i).is_none())
+            .map(|i| Obstacle {
+                name: cell.names()[i].clone(),
+                shape: cell.scene().shape(i).clone(),
+                pose: cell.scene().poses()[i],
+            })
+            .collect(),
+        ..World::default()
+    };
+    let robot = cell.robot().clone();
+    let mut padded = world;
+    padded.pad(&robot, 0.05).unwrap();
+    let mut cell = Workcell::new(robot, &padded, &AllowedPairs::default()).unwrap();
+    assert!(cell.is_padded());
+    let (point, mut with_obstacles) = (Shape::sphere(0.0).unwrap(), 0);
+    for _ in 0..50 {
+        for near in cell.clearances(&draw.state(), 1.0).unwrap() {
+            let [a, b] = near.objects;
+            assert!(cell.part_of(a as usize).is_some(), "the robot's comes first");
+            let [first, other] = cell.names_of((a, b)).map(str::to_owned);
+            let obstacles = ["ball", "box", "wedge"];
+            assert!(!obstacles.contains(&&*first));
+            with_obstacles += usize::from(obstacles.contains(&&*other));
+            // Where each says that it is.
+            let found = near.proximity;
+            for (object, place) in [(a, found.point_a), (b, found.point_b)] {
+                let pose = Pose::from_translation(place).unwrap();
+                let posed = PosedShape { shape: &point, pose: &pose };
+                let solver = Proximities::within(1e6).unwrap();
+                let verdict = solver.solve(posed, cell.posed(object), &mut Scratch::default());
+                let Verdict::Touching(off) = verdict else { panic!("{verdict:?}") };
+                assert!(off.signed_distance.abs() < 1e-6, "{object}: {off:?}");
+            }
+        }
+    }
+    assert!(with_obstacles > 20, "{with_obstacles}");
 }
 
 #[test]
@@ -124,7 +168,7 @@ fn the_gradient_is_what_finite_differences_find_where_it_is_smooth() {
                 let q = quaternion(&state, 3).normalize();
                 state[3..7].copy_from_slice(&q.to_array());
                 let all = cell.clearances(&state, 10.0).unwrap();
-                all.into_iter().find(|found| found.pair == near.pair).unwrap().proximity
+                all.into_iter().find(|found| found.objects == near.objects).unwrap().proximity
             };
             for variable in 0..state.len() {
                 let moved = |by: f64| {
@@ -155,7 +199,7 @@ fn the_least_distance_has_a_bound_that_covers_the_pairs_that_are_less_well_known
         error_bound,
         ..Proximity::default()
     };
-    let (near, far) = (Pair { i: 0, j: 1 }, Pair { i: 0, j: 2 });
+    let (near, far) = ([0, 1], [0, 2]);
     // The second may be as near as 0.25.
     let mut least = Least::default();
     least.take(near, known(1.0, 1e-9));

@@ -239,6 +239,15 @@ fn a_floating_and_a_planar_joint_take_their_values_from_a_transform() {
     };
     assert!(refused(&turned.replace("0]", "1]"), "base").contains("leaves the plane"));
     assert!(refused(turned, "map").contains("\"map\""));
+    // Three numbers have no one name, and no number two sources.
+    let of_base = urdf("planar").state(&[("move".to_owned(), 1.5)]).unwrap_err().to_string();
+    assert!(of_base.contains("it has 3 values: move/x, move/y"), "{of_base}");
+    let twice = format!(
+        "world: {{}}\nrobot_state:\n  joint_state: {{name: [move/x], position: [3]}}\n  multi_dof_joint_state:\n    \
+         joint_names: [move]\n    transforms: [{{{turned}}}]"
+    );
+    let refused = PlanningScene::read(&twice).unwrap().world(&urdf("planar"), None).unwrap_err();
+    assert!(refused.to_string().contains("two of value of joint \"move/x\""), "{refused}");
 }
 
 /// A sphere of radius 0.5 at the tip, at x = 3.5 at rest.

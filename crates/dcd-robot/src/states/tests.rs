@@ -70,6 +70,28 @@ fn what_is_not_understood_is_refused_by_name() {
 }
 
 #[test]
+fn what_is_to_know_of_a_carried_mesh_is_said_once() {
+    let folder = std::env::temp_dir().join(format!("dcd-carried-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let tool = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nl 1 4\n";
+    std::fs::write(folder.join("tool.obj"), tool).unwrap();
+    let robot = arm();
+    let meshes = MeshSource::beside(&folder, LinkShapes::Hulls);
+    let mut reader = StateReader::new(&robot, vec![0.0; 2], meshes);
+    let mut notes = Vec::new();
+    for name in ["a", "b"] {
+        let line = format!(
+            r#"{{"q": [0, 0], "attached": [{{"name": "{name}", "link": "hand", "shape": {{"mesh": "tool.obj"}}}}]}}"#
+        );
+        reader.read(line.as_bytes()).unwrap();
+        notes.push(reader.take_notes());
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert!(notes[0].len() == 1 && notes[0][0].contains("tool.obj"), "{notes:?}");
+    assert!(notes[1].is_empty(), "{notes:?}");
+}
+
+#[test]
 fn what_a_state_carries_moves_with_its_link_and_may_touch_what_it_is_allowed_to() {
     let robot = arm();
     let mut reader = reader(&robot);

@@ -25,7 +25,7 @@ const NEARER: f32 = 1.0 - 1e-6;
 const CLOSE: f32 = 3e-3;
 
 /// The scales at which coordinates and their products stay well within f32. Per metre.
-const SCALES: Range<f64> = 1.0 / (1u64 << 30) as f64..(1u64 << 30) as f64;
+const SCALES: Range<f64> = 1.0 / (1u128 << 80) as f64..(1u128 << 80) as f64;
 
 /// The vertices of a difference between which its nearest point probably is, at most three; none of shapes that are neither
 /// polytopes nor cylinders or cones, of two polytopes with few vertices, whose supports are as quick in f64, and where f32 is of no
