@@ -221,6 +221,9 @@ pub fn time_of_impact(
     until: f64,
     tolerance: f64,
 ) -> Result<Impact, PoseError> {
+    if until < 0.0 {
+        return Ok(Impact::Free);
+    }
     [a, b].iter().for_each(MovingShape::prefetch);
     let closing = Closing::of(a, b);
     let limits = &Limits::of([a, b], &closing, until, tolerance);

@@ -2,7 +2,7 @@
 
 use super::reach::{Couple, Direction};
 use super::side::{Part, Parts, Side};
-use super::{Scratch, is_swapped, pair, touching};
+use super::{Scratch, is_swapped, pair, touching_or_open};
 use crate::epa::Depth;
 use crate::{PosedShape, Reason, Verdict};
 use dcd_geom::Shape;
@@ -45,7 +45,7 @@ pub(crate) struct PartPair<'s> {
     has_no_formula: Cell<bool>,
 }
 
-/// All pairs of parts that are known to touch, in one order for (a, b) and (b, a).
+/// All pairs of parts that touch, or of which that is not known, in one order for (a, b) and (b, a).
 pub(crate) fn touching_parts<'s>(
     a: PosedShape<'s>,
     b: PosedShape<'s>,
@@ -54,8 +54,7 @@ pub(crate) fn touching_parts<'s>(
     let swapped = is_swapped(a, b);
     let (first, second) = if swapped { (b, a) } else { (a, b) };
     let mut pairs = Vec::new();
-    // What is undecided is not in the list, and counts as apart.
-    let _ = touching(first, second, scratch, &mut pairs);
+    touching_or_open([first, second], scratch, &mut pairs);
     if swapped {
         pairs.iter_mut().for_each(|parts| parts.reverse());
     }

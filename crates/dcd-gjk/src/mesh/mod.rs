@@ -128,6 +128,19 @@ pub fn touching(
     found
 }
 
+/// The same, and every pair of which that is not known: for a measure, whose bound then covers them.
+pub(crate) fn touching_or_open(
+    [a, b]: [PosedShape<'_>; 2],
+    scratch: &mut Scratch,
+    pairs: &mut Vec<[u32; 2]>,
+) {
+    let first = pairs.len();
+    let ([first_side, second], swapped) = in_order(a, b);
+    let mut tally = Tally { swapped, lists_open: true, ..Tally::of(Goal::All(&mut *pairs)) };
+    dispatch(Search { sides: [&first_side, &second], scratch, tally: &mut tally });
+    pairs[first..].sort_unstable();
+}
+
 /// The same of a mesh and a polytope; appends what the search comes by of their depths as well: the same on every path, for
 /// a measure begins with it.
 pub(crate) fn touching_with_depths(
@@ -300,6 +313,8 @@ struct Tally<'a> {
     at_most: Option<&'a mut Vec<(u32, f32)>>,
     /// Whether the caller's first shape is our second.
     swapped: bool,
+    /// Whether pairs are listed too of which it is not known.
+    lists_open: bool,
     touching: bool,
     undecided: Option<Reason>,
     method: Method,
@@ -320,6 +335,7 @@ impl<'a> Tally<'a> {
             depths: None,
             at_most: None,
             swapped: false,
+            lists_open: false,
             touching: false,
             undecided: None,
             method: Method::Portal,
@@ -335,19 +351,20 @@ impl Tally<'_> {
             Verdict::Apart => Next::Go,
             Verdict::Undecided(reason) => {
                 self.undecided = self.undecided.or(Some(reason));
-                Next::Go
+                if self.lists_open { self.list([a, b]) } else { Next::Go }
             }
             Verdict::Touching(()) => {
                 self.touching = true;
-                match &mut self.goal {
-                    Goal::Any => Next::Stop,
-                    Goal::All(pairs) => {
-                        pairs.push(if self.swapped { [b, a] } else { [a, b] });
-                        Next::Go
-                    }
-                }
+                self.list([a, b])
             }
         }
+    }
+
+    /// Lists a pair, or ends the search where any will do.
+    fn list(&mut self, [a, b]: [u32; 2]) -> Next {
+        let Goal::All(pairs) = &mut self.goal else { return Next::Stop };
+        pairs.push(if self.swapped { [b, a] } else { [a, b] });
+        Next::Go
     }
 
     /// Takes in the depth of a triangle, if it is known.

@@ -39,6 +39,14 @@ fn spheres_meet_when_their_centres_are_a_diameter_apart() {
 }
 
 #[test]
+fn before_a_negative_end_nothing_is_met() {
+    let (ball, still) = (Shape::sphere(1.0).unwrap(), at(DVec3::ZERO));
+    assert_eq!(impact((&ball, &still), (&ball, &still), -1.0), Impact::Free);
+    let floor = Shape::half_space(DVec3::Z, 0.0).unwrap();
+    assert_eq!(impact((&floor, &still), (&floor, &still), -1.0), Impact::Free);
+}
+
+#[test]
 fn nothing_fast_passes_through_a_thin_plate_of_any_kind() {
     let bar = Shape::cuboid(DVec3::new(0.5, 0.05, 0.05)).unwrap();
     let thin = DVec3::new(2.0, 2.0, 1e-4);

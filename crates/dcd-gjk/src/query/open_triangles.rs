@@ -84,8 +84,7 @@ pub(super) fn depth_of_parts(
         _ => return None,
     };
     let (mut touching, mut triangles) = (Vec::new(), Vec::new());
-    // What is undecided is not in the list, and counts as apart.
-    let _ = mesh::touching(sides[0], sides[1], &mut mesh::Scratch::default(), &mut touching);
+    mesh::touching_or_open(sides, &mut mesh::Scratch::default(), &mut touching);
     let parts = touching_parts(sides[1], &touching)?;
     let bodies = &triangles_of_parts(sides[0], &parts, &touching, &mut triangles)?;
     let triangles = &mut triangles[..];

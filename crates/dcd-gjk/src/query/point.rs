@@ -81,6 +81,10 @@ pub fn nearest_point(point: DVec3, posed: PosedShape<'_>, limit: f64) -> Option<
 /// far off and called inside. Larger: more searches.
 const SMALLEST: f64 = 1e-70;
 
+/// Cores that are larger, or so far away, metres, are searched: squares of their lengths leave the range of f64. Larger: points that are
+/// inside and called beyond.
+const LARGEST: f64 = 1e150;
+
 /// What planes know of a point.
 enum Outcome {
     /// Proved: farther than the limit.
@@ -100,6 +104,9 @@ fn by_planes(point: DVec3, pose: &Pose, polytope: &Polytope, limit: f64) -> Outc
     }
     let LocalPoint { point: local, margin, .. } =
         LocalPoint::of(point, pose, polytope.reach() + radius);
+    if !(local.abs().max_element() + polytope.reach() <= LARGEST) {
+        return Outcome::Open;
+    }
     let beyond = |least: f64| least - radius - margin > limit;
     let inner = polytope.inner();
     let from_centre = (local - inner.centre).length();

@@ -29,6 +29,8 @@ pub(super) struct Scratch {
     counts: Report,
     /// The pairs of parts that they leave open.
     doubts: Vec<Doubt>,
+    /// The place and the question of those that stay undecided.
+    undecided: Vec<[u32; 2]>,
 }
 
 /// What is known of two objects.
@@ -114,7 +116,18 @@ impl Slice<'_> {
                         scratch.touching[doubt.place as usize] = true;
                     }
                 }
-                Verdict::Undecided(reason) => known.undecided = Some(reason),
+                Verdict::Undecided(reason) => {
+                    known.undecided = Some(reason);
+                    scratch.undecided.push([doubt.place, doubt.question]);
+                }
+            }
+        }
+        if are_all_wanted {
+            // Of objects that touch these are measured as well: the bound of a depth has to cover them.
+            for &[place, question] in &scratch.undecided {
+                if scratch.known[question as usize].touching {
+                    scratch.touching[place as usize] = true;
+                }
             }
         }
     }
@@ -148,6 +161,7 @@ impl Scratch {
         self.known.clear();
         self.known.resize(self.queue.questions.len(), none);
         self.doubts.clear();
+        self.undecided.clear();
     }
 
     /// Takes one pair of parts for each question.

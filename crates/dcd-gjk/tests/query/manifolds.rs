@@ -6,8 +6,8 @@ use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Polytope, Pose, Shape, SupportMap};
 use dcd_gjk::query::Feature;
 use dcd_gjk::{
-    Depths, DistanceResult, Manifold, Manifolds, Pairwise, PosedSupport as Core, ThenMeasure,
-    Verdict, contract, distance,
+    Depths, DistanceResult, Manifold, Manifolds, PairSolver, Pairwise, PosedShape,
+    PosedSupport as Core, ThenMeasure, Verdict, contract, distance,
 };
 
 #[test]
@@ -287,4 +287,52 @@ fn whatever_rests_on_a_face_or_a_line_has_four_points_or_two_on_every_ground() {
             }
         }
     }
+}
+
+#[test]
+fn a_plane_given_by_a_long_normal_has_the_bound_of_any_plane() {
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let above = Pose::from_translation(DVec3::Z * 1.49).unwrap();
+    let bounds = [1.0, 1e12].map(|length| {
+        let plane = Shape::half_space(DVec3::Z * length, length).unwrap();
+        let sides = (
+            PosedShape { shape: &cube, pose: &above },
+            PosedShape { shape: &plane, pose: &Pose::IDENTITY },
+        );
+        let found = Manifolds::default().solve(sides.0, sides.1, &mut Default::default());
+        let Verdict::Touching(set) = found else { panic!("{found:?}") };
+        set.iter().map(|manifold| manifold.error_bound).fold(0.0, f64::max)
+    });
+    assert!(bounds[1] < 1e-7 && bounds[1] < 2.0 * bounds[0] + 1e-12, "{bounds:?}");
+}
+
+#[test]
+fn the_corners_of_an_upright_cylinder_stay_where_they_are_when_rounding_tilts_it() {
+    let (cylinder, floor) =
+        (Shape::cylinder(0.5, 1.0).unwrap(), Shape::half_space(DVec3::Z, 0.0).unwrap());
+    let mut places: Vec<(Feature, DVec3)> = Vec::new();
+    let mut known_again = 0;
+    for k in 0..40 {
+        let tilt = 1e-16 * f64::from(k % 7);
+        let turn = DQuat::from_rotation_z(f64::from(k)) * DQuat::from_rotation_x(tilt);
+        let turn = (turn * DQuat::from_rotation_z(-f64::from(k))).normalize();
+        let pose = Pose::new(turn, DVec3::Z * 0.499).unwrap();
+        let sides = (
+            PosedShape { shape: &cylinder, pose: &pose },
+            PosedShape { shape: &floor, pose: &Pose::IDENTITY },
+        );
+        let found = Manifolds::default().solve(sides.0, sides.1, &mut Default::default());
+        let Verdict::Touching(set) = found else { panic!("{found:?}") };
+        for point in set.iter().flat_map(|manifold| manifold.points()) {
+            let feature = point.features[0];
+            match places.iter().find(|(known, _)| *known == feature) {
+                Some((_, place)) => {
+                    assert!(place.distance(point.point_a) < 1e-9, "{k}: {feature:?} {place}");
+                    known_again += 1;
+                }
+                None => places.push((feature, point.point_a)),
+            }
+        }
+    }
+    assert!(known_again > 100 && places.len() <= 8, "{known_again}");
 }

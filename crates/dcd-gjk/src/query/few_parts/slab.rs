@@ -48,7 +48,11 @@ impl Slab {
         let &[p, q, r] = triangle.vertices() else { return None };
         let radius = triangle.swept_radius();
         let [p, q, r] = [p, q, r].map(|corner| pose.apply(corner));
-        let outward = (q - p).cross(r - p).try_normalize()?;
+        let across = (q - p).cross(r - p);
+        // Its length is that of squares, which underflow in a tiny triangle. Of NaN and of a needle there is none.
+        let largest = across.abs().max_element();
+        let outward =
+            (largest > 0.0).then(|| across / largest).filter(|n| n.is_finite())?.normalize();
         let [of_p, of_q, of_r] = [p, q, r].map(|corner| outward.dot(corner));
         let low = of_p.min(of_q).min(of_r) - radius;
         let high = of_p.max(of_q).max(of_r) + radius;

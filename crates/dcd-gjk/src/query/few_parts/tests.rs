@@ -362,3 +362,65 @@ fn bounds_of_few_parts_hold_at_every_rank() {
     }
     assert!(deep > 200 && apart > 600, "{deep} {apart}");
 }
+
+#[test]
+fn no_part_is_lost_beside_a_triangle_whose_area_underflows() {
+    let pair = |radius: f64, height: f64, x: f64| {
+        let ball = || Shape::sphere(radius).unwrap();
+        let place =
+            Pose::from_translation(DVec3::new(if radius < 0.5 { 1.0 } else { 0.95 }, height, 0.0));
+        let balls = Shape::compound(vec![(ball(), Pose::IDENTITY), (ball(), place.unwrap())]);
+        let edge = 1.58e-81;
+        let corners = [DVec3::X * x, DVec3::new(x, edge, 0.0), DVec3::new(x, 0.0, edge)];
+        (balls.unwrap(), Shape::triangle(corners).unwrap())
+    };
+    let at = &Pose::IDENTITY;
+    for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+        let (balls, triangle) = pair(1.0, 0.999, 0.95);
+        let (a, b) =
+            (PosedShape { shape: &balls, pose: at }, PosedShape { shape: &triangle, pose: at });
+        let found = Depths.measure_at(accuracy, a, b, &mut Default::default());
+        let Verdict::Touching(found) = found else { panic!("{found:?}") };
+        assert!((found.depth - 0.05).abs() <= found.error_bound + 1e-15, "{accuracy:?} {found:?}");
+        let (balls, triangle) = pair(0.1, 1.05, 1.0);
+        let (a, b) =
+            (PosedShape { shape: &balls, pose: at }, PosedShape { shape: &triangle, pose: at });
+        let DistanceResult::Apart(found) = crate::distance::distance_at(accuracy, a, b).0 else {
+            panic!("{accuracy:?}")
+        };
+        assert!(
+            (found.distance - 0.9).abs() <= found.error_bound + 1e-15,
+            "{accuracy:?} {found:?}"
+        );
+    }
+}
+
+#[test]
+fn the_bound_of_a_depth_covers_parts_of_which_it_is_not_known_whether_they_touch() {
+    let at = |x: f64, z: f64| Pose::from_translation(DVec3::new(x, 0.0, z)).unwrap();
+    let parts = vec![
+        (Shape::cuboid(DVec3::ONE).unwrap(), at(0.0, 0.0)),
+        (Shape::cylinder(1.0, 1.0).unwrap(), at(3.0, -8.88e-16)),
+    ];
+    let compound = Shape::compound(parts).unwrap();
+    let slab = Shape::cuboid(DVec3::new(10.0, 10.0, 1.0)).unwrap();
+    let (here, below) = (at(0.0, 0.0), at(0.0, -2.0));
+    let sides =
+        [PosedShape { shape: &compound, pose: &here }, PosedShape { shape: &slab, pose: &below }];
+    for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+        for [a, b] in [sides, [sides[1], sides[0]]] {
+            let found = Depths.measure_at(accuracy, a, b, &mut Default::default());
+            if let Verdict::Touching(found) = found {
+                assert!(found.depth + found.error_bound >= 8.88e-16, "{accuracy:?} {found:?}");
+            }
+            let found = Manifolds::default().measure_at(accuracy, a, b, &mut Default::default());
+            if let Verdict::Touching(set) = found {
+                let depths = set.iter().flat_map(|manifold| {
+                    manifold.points().iter().map(|point| point.depth + manifold.error_bound)
+                });
+                let most = depths.fold(0.0, f64::max);
+                assert!(most >= 8.88e-16, "{accuracy:?} {set:?}");
+            }
+        }
+    }
+}

@@ -42,7 +42,10 @@ pub(super) fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) ->
 fn extent(shape: &Shape) -> [f64; 2] {
     match shape {
         Shape::Polytope(core) => [core.reach() + core.swept_radius(), core.swept_radius()],
-        Shape::HalfSpace(half_space) => [half_space.offset().abs(), 0.0],
+        Shape::HalfSpace(half_space) => {
+            let far = half_space.offset().abs() / half_space.normal().length();
+            [far + half_space.swept_radius(), half_space.swept_radius()]
+        }
         Shape::Compound(compound) => [compound.reach(), compound.swept_radius()],
         // Round its own origin: what that costs is far below what its size does.
         Shape::Curved(curved) => [0.0, curved.swept_radius()],

@@ -97,7 +97,8 @@ pub struct ManifoldPoint {
     pub parts: [Option<PartIndex>; 2],
 }
 
-/// A part of a polytope, by index into its vertices or [`dcd_geom::Facets`].
+/// A part of a polytope, by index into its vertices or [`dcd_geom::Facets`]; of a cylinder or cone the vertices are eight corners that
+/// stand for a rim, and the ends of a line of its side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Feature {
     /// The whole, for shapes that have no vertices.

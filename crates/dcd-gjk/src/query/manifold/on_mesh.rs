@@ -56,8 +56,7 @@ pub(super) fn write(
         None if is_known => &[],
         None => {
             pairs.clear();
-            // What is undecided is not in the list, and counts as apart.
-            let _ = mesh::touching(sides[0], sides[1], parts, pairs);
+            mesh::touching_or_open(sides, parts, pairs);
             pairs
         }
     };

@@ -18,6 +18,11 @@ const RIM: [DVec2; 8] = [
     DVec2::new(H, -H),
 ];
 
+/// From which sine of its tilt on a face has a lowest point. The corners of one that is less tilted miss it by a tenth of that, times the
+/// radius, at most. Smaller: corners that turn from frame to frame while the shape rests. Larger: depths that are short by more than what
+/// their bound leaves.
+const SEEN: f64 = 1e-9;
+
 /// The rim's corners in their order.
 const ROUND: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
 
@@ -34,7 +39,10 @@ impl StandIn {
     /// Corners of the face of a cylinder or cone that looks along a unit direction of its own frame, or else the line of
     /// its side that is the lowest, or the end of that line.
     pub(super) fn of(curved: &Curved, direction: DVec3) -> Self {
-        let lowest = direction.truncate().try_normalize().unwrap_or(DVec2::X);
+        let across = direction.truncate();
+        // On a level face rounding alone would say which is the lowest, and another in each frame.
+        let lowest =
+            if across.length_squared() > SEEN * SEEN { across.normalize() } else { DVec2::X };
         let discs = curved.discs();
         let is_up = direction.z > 0.0;
         let made = |part| Self { part, discs, lowest, is_up };

@@ -95,3 +95,11 @@ fn a_point_beside_a_cuboid_is_not_in_it_however_small_both_are() {
         }
     }
 }
+
+#[test]
+fn a_point_of_a_shape_as_long_as_f64_allows_is_not_beyond_it() {
+    let segment = Shape::segment(DVec3::ZERO, DVec3::X * 4e154).unwrap();
+    let posed = PosedShape { shape: &segment, pose: &Pose::IDENTITY };
+    let found = nearest_point(DVec3::ZERO, posed, 1.0);
+    assert!(found.is_some_and(|found| found.lower == 0.0), "{found:?}");
+}

@@ -264,6 +264,9 @@ fn hits(ray: &Ray, posed: PosedShape<'_>, limit: f64, visit: &mut dyn FnMut(RayH
                 slabs.key_of(limit)
             });
         }
+        Shape::Mesh(_) if is_far(ray, posed) => {
+            visit(RayHit { t_upper: ray.max_t, is_certain: false, ..RayHit::INSIDE });
+        }
         Shape::Mesh(mesh) => triangle::of_mesh(ray, posed, mesh, limit, visit),
         _ => {
             if let Some(hit) = convex(ray, posed, limit) {
@@ -273,8 +276,22 @@ fn hits(ray: &Ray, posed: PosedShape<'_>, limit: f64, visit: &mut dyn FnMut(RayH
     }
 }
 
+/// How large a shape and its distance from a ray may be together, metres, for closed forms: squares of these lengths times a direction's
+/// are in range. Larger: rays that begin far off and are called inside.
+const FARTHEST: f64 = 1e100;
+
+/// Whether a shape that has an end is farther or larger than that.
+fn is_far(ray: &Ray, posed: PosedShape<'_>) -> bool {
+    let way = (posed.pose.translation() - ray.origin).abs().max_element();
+    // Written so that NaN is too far.
+    posed.shape.is_bounded() && !(way + posed.shape.reach() <= FARTHEST)
+}
+
 /// The hit of a convex shape; none is looked for that is proved to be later than `limit`.
 fn convex(ray: &Ray, posed: PosedShape<'_>, limit: f64) -> Option<RayHit> {
+    if is_far(ray, posed) {
+        return general::hit(ray, posed);
+    }
     match posed.shape {
         Shape::HalfSpace(half_space) => half_space::hit(ray, half_space, posed.pose),
         Shape::Polytope(polytope) => of_polytope(ray, posed, polytope, limit),

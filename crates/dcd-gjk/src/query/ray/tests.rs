@@ -383,3 +383,22 @@ fn tiny_shapes_and_directions_have_no_false_hit_and_no_bracket_without_the_truth
     }
     assert!(certain > 50, "{certain}");
 }
+
+#[test]
+fn what_is_far_beyond_any_scene_is_never_a_certain_hit_that_is_none() {
+    let hit = |shape: &Shape, place: DVec3, ray: &Ray| {
+        let pose = Pose::from_translation(place).unwrap();
+        first_hit(ray, PosedShape { shape, pose: &pose })
+    };
+    let sphere = Shape::sphere(1.5e105).unwrap();
+    let short = Ray::new(DVec3::ZERO, DVec3::X * 1e49, 1.0).unwrap();
+    assert!(hit(&sphere, DVec3::X * 3e105, &short).is_none_or(|hit| !hit.is_certain));
+    let far = Shape::segment(DVec3::X * 3e154, DVec3::X * 3.1e154).unwrap().rounded(1.5e154);
+    let endless = Ray::endless(DVec3::ZERO, DVec3::X).unwrap();
+    let found = hit(&far.unwrap(), DVec3::ZERO, &endless);
+    assert!(found.is_some_and(|hit| !hit.is_certain || hit.t_lower > 1e154), "{found:?}");
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|corner| corner * 1e200);
+    let mesh = Shape::mesh(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+    let across = Ray::endless(DVec3::new(1.0, 1.0, 1.0), -DVec3::Z).unwrap();
+    assert!(hit(&mesh, DVec3::ZERO, &across).is_some());
+}
