@@ -17,7 +17,8 @@ pub enum Accuracy {
     /// hundred of the named scenes' pairs. Distances of whole scenes are [in lanes](crate::SimdDistances).
     F32,
     /// What f64 gives: 1e-10 of a depth, 1e-9 of that of a curved shape, or 3e-14 of the pair's size; some 3e-15 of the size for a
-    /// distance, at most 3e-14 for one of spheres, 2e-14 or 1e-10 of itself for one of compounds. Where edges are nearly parallel,
+    /// distance, at most 3e-14 for one of spheres, 2e-14 or 1e-10 of itself for one of compounds; up to three times that
+    /// of a compound with a part that is many times its size away from the compound's origin. Where edges are nearly parallel,
     /// those of capsules above all, up to 1e-8 of the size, where faces lean by some 1e-7 rad up to 1e-6, of spheres beside needles
     /// up to 1e-4, of cylinders and cones that all but meet up to 1e-11, for some in a thousand 1e-6; where poses are off rotations,
     /// by some of that times the size; of two curved shapes that have one axis, or nearly, up to some hundredths of a depth.
