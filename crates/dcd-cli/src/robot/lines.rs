@@ -291,8 +291,10 @@ impl Beside {
         let opened = given.meshes.paths.opened().paths();
         let files = [drawing.as_ref().map(|to| &to.file), proofs.as_ref().map(|to| &to.file)];
         files.into_iter().flatten().try_for_each(|file| file.check_no_input(&opened))?;
+        // The proofs stand, whatever a picture cannot show.
+        let missing = proofs.map_or(Ok(0), Proofs::commit)?;
         drawing.map(|drawing| drawing.write(given)).transpose()?;
-        proofs.map_or(Ok(0), Proofs::commit)
+        Ok(missing)
     }
 }
 

@@ -221,9 +221,10 @@ impl PartPair<'_> {
     /// What is proved of the pair along a normal from a to b.
     pub(crate) fn along(&self, direction: Option<&Direction>) -> Along {
         let reach = self.couple.as_ref().zip(direction).map(|(couple, direction)| {
-            let least = self.reach_along(couple, direction) - couple.slack();
-            let diameters = self.diameters.get_or_init(|| couple.diameters(couple.slack()));
-            Reach { least, diameters: *diameters }
+            let slack = couple.slack();
+            let least = self.reach_along(couple, direction) - slack;
+            let diameters = self.diameters.get_or_init(|| couple.diameters(slack));
+            Reach { least, slack, diameters: *diameters }
         });
         Along { reach, at_most: self.at_most() }
     }
@@ -261,19 +262,20 @@ pub(crate) struct Along {
 /// How far two parts reach past each other along a normal, metres.
 #[derive(Clone, Copy)]
 struct Reach {
-    /// Moved apart by less along the normal they touch.
+    /// Moved apart by less along the normal they touch; by twice the slack more they do not.
     least: f64,
+    slack: f64,
     /// At least the sum of the two diameters.
     diameters: f64,
 }
 
 impl Along {
-    /// By how much more than a depth the two must be moved along the normal to come apart, up to rounding, if that is
-    /// at most a part `near` of the diameters.
+    /// By how much more than a depth the two must be moved along the normal at the most to come apart, if it is, but for rounding, at
+    /// most a part `near` of the diameters.
     pub(crate) fn rest(&self, depth: f64, near: f64) -> Option<f64> {
-        let Reach { least, diameters } = self.reach.as_ref()?;
+        let Reach { least, slack, diameters } = self.reach.as_ref()?;
         let rest = least - depth;
-        (rest <= near * diameters).then(|| rest.max(0.0))
+        (rest <= near * diameters).then(|| (rest + 2.0 * slack).max(0.0))
     }
 
     /// Whether their depth may be along a direction that is within `angle`, radians, of the normal.

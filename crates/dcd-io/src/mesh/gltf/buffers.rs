@@ -7,7 +7,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use gltf::Document;
 use gltf::buffer::Source;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// The bytes of each buffer, at least as many as it says.
 pub(super) fn load(
@@ -47,11 +47,11 @@ fn beside(uri: &str, options: &MeshOptions, path: &str) -> Result<Vec<u8>, MeshE
     let Some(folder) = &options.folder else {
         return Err(refused(path, format!("{uri:?} is in another file")));
     };
-    let places = [folder.join(uri), folder.join(percent_decoded(uri))];
-    // A name with a root would leave the folder, and what is no regular file need not end.
-    let file = places.iter().find(|file| file.is_file() && !Path::new(uri).is_absolute());
-    let Some(file) = file else {
-        let problem = format!("{uri:?} is no file below {}", crate::shown(folder));
+    // Neither as it is nor decoded may it have a root: that is none of this machine's. What is no regular file need not end.
+    let names = [PathBuf::from(uri), PathBuf::from(percent_decoded(uri))];
+    let mut places = names.iter().filter(|name| !name.is_absolute()).map(|name| folder.join(name));
+    let Some(file) = &places.find(|file| file.is_file()) else {
+        let problem = format!("{uri:?} is no file relative to {}", crate::shown(folder));
         return Err(refused(path, problem));
     };
     options.opened.add(file);
