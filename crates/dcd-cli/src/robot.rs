@@ -424,10 +424,10 @@ fn load_srdf(paths: &[PathBuf], model: &Model) -> Result<Option<Srdf>, Failure> 
 
 /// Takes over what a scene says of pairs, and prints where MoveIt would check more of them.
 fn extend(allowed: &mut AllowedPairs, of_scene: &AllowedPairs) {
-    let beyond = allowed.beyond_matrix_of(of_scene);
-    if beyond > 0 {
+    let missing = allowed.count_missing_in_matrix_of(of_scene);
+    if missing > 0 {
         print_message(format_args!(
-            "{beyond} pairs may touch by the SRDF alone; MoveIt would check them, for the scene's matrix takes the SRDF's place there"
+            "{missing} pairs may touch by the SRDF alone; MoveIt would check them, for the scene's matrix takes the SRDF's place there"
         ));
     }
     allowed.extend(of_scene);

@@ -66,9 +66,9 @@ impl AllowedPairs {
         self.layers.extend(other.layers.iter().cloned());
     }
 
-    /// How many pairs may touch here of which a scene, with a matrix of its own, says nothing: MoveIt takes that matrix in place of all
+    /// How many of these pairs may touch of which a scene, with a matrix of its own, says nothing: MoveIt takes that matrix in place of all
     /// that an SRDF says, and checks them.
-    pub fn beyond_matrix_of(&self, scene: &Self) -> usize {
+    pub fn count_missing_in_matrix_of(&self, scene: &Self) -> usize {
         if !scene.layers.iter().any(Layer::has_matrix) {
             return 0;
         }

@@ -151,14 +151,16 @@ impl Robot {
         let (own, mut known) = (self.variables(), HashMap::new());
         known.extend(self.joints().iter().map(|joint| (joint.name.as_str(), None)));
         known.extend(own.iter().map(String::as_str).zip((0..).map(Some)));
+        let several = self.moved_joints().iter().filter(|joint| joint.values.len() > 1);
+        let several: HashMap<&str, &MovedJoint> =
+            several.map(|joint| (joint.name.as_str(), joint)).collect();
         let mut state = self.rest_state();
         for (name, value) in values {
             if !value.is_finite() {
                 let user = format!("joint {name:?}");
                 return Err(RobotError::BadNumber { what: "value", user, value: *value });
             }
-            let of_several = |joint: &&MovedJoint| joint.values.len() > 1 && joint.name == *name;
-            if let Some(joint) = self.moved_joints().iter().find(of_several) {
+            if let Some(joint) = several.get(name.as_str()) {
                 let (user, names) = (format!("joint {name:?}"), &own[joint.values.clone()]);
                 let why = format!("it has {} values: {}", names.len(), names.join(", "));
                 return Err(RobotError::Refused { user, why });

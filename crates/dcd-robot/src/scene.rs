@@ -274,7 +274,7 @@ impl MultiDof {
 
     /// Refuses a value that `joint_state` has too: which of the two counts would be a guess.
     fn check_once(self, state: &RobotState) -> Result<Self, RobotError> {
-        let names = &state.joint_state.value.name;
+        let names: HashSet<&String> = state.joint_state.value.name.iter().collect();
         match self.values.iter().find(|(name, _)| names.contains(name)) {
             Some((name, _)) => {
                 Err(RobotError::Twice { what: "value of joint", name: name.clone() })

@@ -140,7 +140,7 @@ impl Compound {
 
     /// A sphere round each part in the compound's frame, by index, metres: as it is placed there, and as it was given, at its
     /// pose. What rounding loses is counted.
-    pub fn part_spheres(&self) -> &[Sphere] {
+    pub fn part_bounding_spheres(&self) -> &[Sphere] {
         &self.spheres
     }
 
@@ -167,7 +167,7 @@ const STRETCH: f64 = 4.0 * Pose::UNIT_TOLERANCE;
 /// The same, relative to the part's reach and its place. Unit: 2⁻⁵³. Moving its points and its centre loses 8 of each.
 const MOVED: f64 = 32.0;
 
-/// A sphere round a part: see [`Compound::part_spheres`].
+/// A sphere round a part: see [`Compound::part_bounding_spheres`].
 fn sphere_round(part: &Part) -> Sphere {
     let (centre, radius) = match &part.shape {
         Shape::Polytope(polytope) => {

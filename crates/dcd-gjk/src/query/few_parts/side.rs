@@ -112,7 +112,7 @@ impl<'a> Side<'a> {
             (self.whole, self.slab) = (Some((whole, frame)), Slab::of(whole));
             return Some(());
         };
-        let spheres = compound.part_spheres();
+        let spheres = compound.part_bounding_spheres();
         if spheres.len() > MOST {
             return None;
         }
