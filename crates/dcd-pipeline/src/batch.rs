@@ -31,6 +31,9 @@ const OBSTACLES_PER_TASK: usize = 256;
 /// Obstacles prepared once: shared by all batch checkers that check against them, on all their threads.
 /// A clone is the same world.
 ///
+/// Where a shape of the caller's own panics while its world changes, and the panic is caught, the world is not whole until another
+/// change succeeds: checks against it panic.
+///
 /// ```
 /// use dcd_pipeline::prelude::*;
 /// use dcd_pipeline::{LinkSet, StaticWorld};
@@ -60,6 +63,8 @@ struct Obstacles<N: NarrowPhase> {
     search: OnceLock<ObstacleSearch>,
     /// Whether some obstacle has a filter.
     filtered: bool,
+    /// Whether the frame and the boxes are those of the scene: not while they are written, nor once a shape has panicked then.
+    is_prepared: bool,
 }
 
 /// What finds the obstacles near something.
@@ -186,13 +191,15 @@ impl<N: NarrowPhase> Obstacles<N> {
     fn new(scene: Scene, names: Vec<u32>, narrow: N, exec: Exec<'_>) -> Self {
         let (frame, search) = (N::Frame::default(), OnceLock::new());
         let aabbs = Vec::new();
-        let mut new = Self { narrow, scene, frame, names, aabbs, search, filtered: false };
+        let (filtered, is_prepared) = (false, false);
+        let mut new = Self { narrow, scene, frame, names, aabbs, search, filtered, is_prepared };
         new.prepare(exec);
         new
     }
 
     /// Prepares all objects of the scene.
     fn prepare(&mut self, exec: Exec<'_>) {
+        self.is_prepared = false;
         let Self { narrow, scene, frame, aabbs, .. } = self;
         aabbs.resize(scene.len(), Aabb::EMPTY);
         let part = narrow.layout(scene, Sides::Two, frame);
@@ -200,6 +207,7 @@ impl<N: NarrowPhase> Obstacles<N> {
             narrow.prepare(scene, first, part, aabbs);
         });
         self.filtered = scene.filters().iter().any(|filter| *filter != Filter::ALL);
+        self.is_prepared = true;
     }
 
     /// Takes other objects in place of these.
@@ -209,6 +217,7 @@ impl<N: NarrowPhase> Obstacles<N> {
             (scene.shape(i), Object { filter: scene.filters()[i], ..object })
         });
         self.scene.replace_from(0, placed)?;
+        self.is_prepared = false;
         self.names.clear();
         self.names.extend((0..).take(objects.len()));
         self.search = OnceLock::new();
@@ -218,19 +227,22 @@ impl<N: NarrowPhase> Obstacles<N> {
 
     fn set_pose(&mut self, object: usize, pose: Pose) -> Result<(), SceneError> {
         self.scene.set_pose(object, pose)?;
+        let were_prepared = std::mem::replace(&mut self.is_prepared, false);
         self.search = OnceLock::new();
         let Self { narrow, scene, frame, aabbs, .. } = self;
         let part = narrow.layout(scene, Sides::Two, frame);
-        if narrow.keeps(&part) {
+        if were_prepared && narrow.keeps(&part) {
             let (part, _) = part.split_at(object).1.split_at(1);
             narrow.prepare(scene, object, part, &mut aabbs[object..=object]);
         } else {
             narrow.prepare(scene, 0, part, aabbs);
         }
+        self.is_prepared = true;
         Ok(())
     }
 
     fn search(&self) -> &ObstacleSearch {
+        self.check_is_prepared();
         self.search.get_or_init(|| ObstacleSearch::of(self, Exec::from(Par::Serial)))
     }
 
@@ -238,7 +250,13 @@ impl<N: NarrowPhase> Obstacles<N> {
         self.names.len()
     }
 
+    /// Panics where another answer would be about poses that are none of the scene's.
+    fn check_is_prepared(&self) {
+        assert!(self.is_prepared, "a shape panicked while the obstacles were prepared");
+    }
+
     fn prepared(&self) -> Prepared<'_, N::Frame> {
+        self.check_is_prepared();
         Prepared { scene: &self.scene, frame: &self.frame }
     }
 

@@ -35,6 +35,11 @@ fn all_move(scene: &Scene) -> bool {
 }
 
 impl Partition {
+    /// Lets the next [`Partition::build`] begin anew.
+    pub(crate) fn forget(&mut self) {
+        (self.layout, self.statics) = (None, None);
+    }
+
     /// Whether the static objects and their places in the frame are those of the last
     /// [`Partition::build`], so that what was prepared of them holds.
     pub(crate) fn still_holds(&self, scene: &Scene) -> bool {

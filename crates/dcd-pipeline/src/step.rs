@@ -252,8 +252,11 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
 
     /// All stages.
     fn walk(&mut self, scene: &Scene, exec: Exec, may: &(impl Fn(u32, u32) -> bool + Sync)) {
-        // Known once all is done: a shape of the caller's own may panic.
-        self.stepped = None;
+        // Known once all is done: a shape of the caller's own may panic, and what is prepared holds no longer.
+        if self.stepped.take().is_none() {
+            self.frame = N::Frame::default();
+            self.partition.forget();
+        }
         let prepared = exec.stage(Stage::Boxes, || self.prepare(scene, exec));
         exec.stage(Stage::Build, || {
             self.partition.build(scene, (&self.aabbs, prepared), &mut self.broad, exec);

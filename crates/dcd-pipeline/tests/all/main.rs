@@ -8,6 +8,7 @@ mod frames;
 mod half_space;
 mod moving;
 mod order;
+mod panics;
 mod queries;
 #[path = "../random/mod.rs"]
 mod random;
