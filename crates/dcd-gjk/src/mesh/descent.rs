@@ -353,7 +353,8 @@ impl Descent<'_, '_> {
         }
         if let Some(body) = &self.body {
             let Proved { touching, apart } = body.decide(l, (leaf, open), vertices, at_most);
-            decided = Decided { touching, apart, ..decided };
+            decided.touching |= touching;
+            decided.apart |= apart;
             if body.is_cuboid() || self.is_enough(open, &decided) {
                 return decided;
             }

@@ -223,6 +223,7 @@ impl Best {
         let (Some(in_a), Some(in_b)) =
             (pair::to_shape(a.part(part_a)), pair::to_shape(b.part(part_b)))
         else {
+            self.undecided = self.undecided.or(Some(Reason::Range));
             return Known::Some;
         };
         let (in_a, in_b) =

@@ -195,7 +195,7 @@ impl Search<'_> {
         let mut left = valid.fold(0u32, |left, lane| left | 1 << lane);
         while let Some(lane) = beside.farthest(left) {
             left &= !(1 << lane);
-            // Lanes without a triangle are infinitely far.
+            // The boxes of lanes without a triangle are infinitely far; their triangles are the first once more.
             let limit = self.limit.min(f32::MAX);
             let beyond = beside.farther(l, lane, limit);
             if beyond == 0xffff {

@@ -54,6 +54,8 @@ pub(crate) struct Lengths {
     pub(crate) change: Vec<f64>,
     /// How far an f64 pose at the rounded state may put a point from where it is.
     pub(crate) deviation: f64,
+    /// By how much the axes of its joints may be turned from where they are there, rad.
+    pub(crate) turned: f64,
     /// How far from the robot's base any point of it is, and the base from the origin, together.
     pub(crate) length: f64,
 }
@@ -125,7 +127,7 @@ impl Chain {
     pub(crate) fn lengths(&self, path: &Extents) -> Lengths {
         let none = vec![0.0; self.joints.len()];
         let (speed, turn) = (none.clone(), none.clone());
-        let mut lengths = Lengths { speed, turn, change: none, deviation: 0.0, length: 0.0 };
+        let mut lengths = Lengths { speed, turn, change: none, ..Lengths::default() };
         let mut reach = self.extent;
         let mut off = 0.0;
         for step in &self.steps {
@@ -151,7 +153,8 @@ impl Chain {
         let of_quaternions = if self.orients { SLERP } else { 0.0 };
         let of_poses = POSE * (self.depth + 2) as f64 + of_quaternions;
         lengths.length = length;
-        lengths.deviation = off * ROUNDED_UP + of_poses * U * length;
+        lengths.turned = of_poses * U;
+        lengths.deviation = off * ROUNDED_UP + lengths.turned * length;
         lengths
     }
 }

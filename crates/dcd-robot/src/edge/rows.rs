@@ -212,7 +212,8 @@ struct AgainstRow<'a> {
 }
 
 impl Kernel for AgainstRow<'_> {
-    /// The least gap, the least distance of inner spheres, and which spheres have the least gap.
+    /// The least gap, the least distance of inner spheres, and which spheres have the least gap. The centres are to be finite: a gap
+    /// that is no number is passed over.
     type Output = (f64, f64, [usize; 2]);
 
     #[inline(always)]

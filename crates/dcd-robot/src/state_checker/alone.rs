@@ -2,6 +2,7 @@
 
 use super::SpherePacket;
 use super::links::LinkSpheres;
+use super::obstacle_tree::NearObstacles;
 use super::one_link::LinkPlaces;
 use super::packed_aabbs::around;
 use super::rounded_links::{LinkSphereRow, OneRounded, bits, of_block, splat};
@@ -101,7 +102,7 @@ impl Sift<'_> {
         l: L,
         (state, slid): (usize, f32),
         one: &mut OneRounded,
-        near: &mut Vec<(u32, u32)>,
+        near: &mut NearObstacles,
     ) {
         let prepared = self.prepared;
         let (mut links, mut rows) = (&*prepared.world_links, &*prepared.world_rows);
@@ -110,13 +111,13 @@ impl Sift<'_> {
             let spheres = row.spheres(l, placed);
             let aabb = around(l, &spheres, row.filled);
             self.list_near(l, (&spheres, row.filled), &aabb, near);
-            let any = near.iter().fold(0, |any, &(_, links)| any | links);
+            let any = near.listed.iter().fold(0, |any, &(_, links)| any | links);
             for lane in bits(any) {
                 if self.open == 0 {
                     return;
                 }
                 let link = number * WIDTH + lane;
-                self.rows_against(l, (&links[link], world.at(link)), state, (near, lane));
+                self.rows_against(l, (&links[link], world.at(link)), state, (&near.listed, lane));
             }
         }
         if let Some(own_links) = &prepared.own_links {

@@ -26,6 +26,15 @@ pub(super) struct ObstacleTree {
     is_stale: Vec<bool>,
 }
 
+/// The obstacles near something.
+#[derive(Clone, Debug, Default)]
+pub(super) struct NearObstacles {
+    /// By number, each with a bit for each lane that it is near.
+    pub(super) listed: Vec<(u32, u32)>,
+    /// What a tree finds.
+    pairs: Vec<Pair>,
+}
+
 impl ObstacleTree {
     /// Over these boxes, where they are many.
     pub(super) fn of(aabbs: &[Aabb]) -> Option<Self> {
@@ -61,13 +70,13 @@ impl ObstacleTree {
         self.changed.len() > MOST_CHANGED
     }
 
-    /// Lists the obstacles whose boxes are near some of sixteen spheres, in the order of both, each with a bit.
+    /// Lists the obstacles whose boxes are near some of sixteen spheres, in their order, each with a bit for each of these.
     pub(super) fn list_near(
         &self,
         (centres, reach): (&Block, &Row),
         some: u32,
         of: &[Aabb],
-        near: &mut Vec<(u32, u32)>,
+        NearObstacles { listed, pairs }: &mut NearObstacles,
     ) {
         let mut aabbs = [Aabb::EMPTY; WIDTH];
         for lane in bits(some) {
@@ -77,26 +86,30 @@ impl ObstacleTree {
             let is_known = aabb.min.is_finite() && aabb.max.is_finite();
             aabbs[lane] = if is_known { aabb } else { Aabb::EVERYTHING };
         }
-        let reached = self.reached(&aabbs, of).into_iter();
-        near.extend(reached.map(|(obstacle, lane)| (obstacle, 1 << lane)));
+        self.find_overlaps(&aabbs, of, pairs);
+        for &Pair { i: obstacle, j: name } in &*pairs {
+            let bit = 1 << (name - self.names[0]);
+            match listed.last_mut() {
+                Some((last, lanes)) if *last == obstacle => *lanes |= bit,
+                _ => listed.push((obstacle, bit)),
+            }
+        }
     }
 
-    /// Lists each obstacle whose box overlaps one of sixteen boxes, and the number of that box: in the order of both.
-    fn reached(&self, aabbs: &[Aabb; WIDTH], of: &[Aabb]) -> Vec<(u32, usize)> {
-        let mut pairs: Vec<Pair> = Vec::new();
+    /// Finds each obstacle whose box overlaps one of sixteen boxes, with the name of that one, by the order of the obstacles.
+    fn find_overlaps(&self, aabbs: &[Aabb; WIDTH], of: &[Aabb], pairs: &mut Vec<Pair>) {
+        pairs.clear();
         let queries = IdentifiedAabbs { aabbs, names: &self.names };
-        self.tree.append_pairs(queries, |i, _| !self.is_stale[i as usize], &mut pairs);
-        let lane = |pair: &Pair| (pair.j - self.names[0]) as usize;
-        let mut reached: Vec<(u32, usize)> = pairs.iter().map(|p| (p.i, lane(p))).collect();
+        self.tree.append_pairs(queries, |i, _| !self.is_stale[i as usize], pairs);
         let around = aabbs.iter().fold(Aabb::EMPTY, |all, aabb| all.union(aabb));
         for &obstacle in &self.changed {
             let own = &of[obstacle as usize];
             if around.overlaps(own) {
-                let lanes = (0..WIDTH).filter(|&lane| aabbs[lane].overlaps(own));
-                reached.extend(lanes.map(|lane| (obstacle, lane)));
+                let overlapped =
+                    self.names.iter().zip(aabbs).filter(|(_, aabb)| aabb.overlaps(own));
+                pairs.extend(overlapped.map(|(&name, _)| Pair { i: obstacle, j: name }));
             }
         }
-        reached.sort_unstable();
-        reached
+        pairs.sort_unstable_by_key(|pair| pair.i);
     }
 }

@@ -8,6 +8,7 @@ use super::chain::{Chain, Drives, loaded};
 use super::link_frames::{HALF, LinkFrames};
 use super::links::LinkSpheres;
 use super::numbers::{All, One};
+use super::obstacle_tree::NearObstacles;
 use super::one_link::{LinkPlace, LinkPlaces, OneState};
 use super::{MARGIN, SpherePacket};
 use dcd_geom::Aabb;
@@ -19,8 +20,8 @@ use glam::Vec3;
 pub(super) struct Rounded {
     pub(super) world: Vec<RoundedLink>,
     pub(super) own: Vec<RoundedLink>,
-    /// The obstacles near a link, each with the states in which it is, a bit each.
-    pub(super) near: Vec<(u32, u32)>,
+    /// The obstacles near a link, each with the states in which it is.
+    pub(super) near: NearObstacles,
     /// A box round each link in all states of a packet.
     pub(super) aabbs: Vec<Aabb>,
     /// Of a state alone, in place of those above.

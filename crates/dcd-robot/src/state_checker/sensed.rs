@@ -316,17 +316,20 @@ impl Seen<'_> {
                         inner: row.inner.0[k],
                         margin: placed.margin(),
                     };
+                    let before = found.len();
                     self.list(l, &sphere, (lane as u32, row.bodies[k]), found);
+                    if goal == Goal::All {
+                        continue;
+                    }
+                    // Always the same one: the first.
+                    let hit = found[before..].iter().position(|near| near.is_touching);
+                    if let Some(hit) = hit {
+                        found.swap(first, before + hit);
+                        found.truncate(first + 1);
+                        return;
+                    }
                 }
             }
-        }
-        let is_hit = found[first..].iter().any(|near| near.is_touching);
-        if goal == Goal::One && is_hit {
-            // Always the same one: the first.
-            let hit = found[first..].iter().position(|near| near.is_touching);
-            found.swap(first, first + hit.unwrap_or_default());
-            found.truncate(first + 1);
-            return;
         }
         found[first..].sort_unstable_by_key(|n| (n.body, n.place, !n.is_touching));
         let mut kept = first;

@@ -1,6 +1,7 @@
 //! Sixteen states against everything, by spheres: what is proved to touch, and what is left.
 
 use super::links::{LinkSpheres, SphereRow};
+use super::obstacle_tree::NearObstacles;
 use super::one_link::{LinkPlace, LinkPlaces};
 use super::packed_aabbs::{around, overlap};
 use super::prepared::Prepared;
@@ -140,13 +141,13 @@ impl Sift<'_> {
         l: L,
         (links, placed): (&[LinkSpheres], &[RoundedLink]),
         (slot, aabb): (usize, &Aabb),
-        near: &mut Vec<(u32, u32)>,
+        near: &mut NearObstacles,
     ) {
         let (link, rounded) = (&links[slot], &placed[slot]);
         self.list_near(l, (&rounded.spheres(l, link), self.open), aabb, near);
-        let any = near.iter().fold(0, |any, &(_, states)| any | states);
+        let any = near.listed.iter().fold(0, |any, &(_, states)| any | states);
         for lane in bits(any) {
-            self.rows_against(l, (link, (placed, lane).at(slot)), lane, (near, lane));
+            self.rows_against(l, (link, (placed, lane).at(slot)), lane, (&near.listed, lane));
         }
     }
 
@@ -183,14 +184,18 @@ impl Sift<'_> {
         l: L,
         (spheres, some): (&SpherePacket<L>, u32),
         aabb: &Aabb,
-        near: &mut Vec<(u32, u32)>,
+        near: &mut NearObstacles,
     ) {
-        near.clear();
+        near.listed.clear();
         if let Some(tree) = &self.prepared.tree {
             let mut reach = Row([0.0; WIDTH]);
             l.store(l.add(spheres.outer, spheres.margin), &mut reach);
-            let spheres = (&stored(l, spheres.centre), &reach);
-            tree.list_near(spheres, some, &self.prepared.aabbs, near);
+            let stored = (&stored(l, spheres.centre), &reach);
+            tree.list_near(stored, some, &self.prepared.aabbs, near);
+            near.listed.retain_mut(|(number, which)| {
+                *which &= self.prepared.solids[*number as usize].near(l, spheres);
+                *which != 0
+            });
             return;
         }
         for (first, row) in self.prepared.boxes.iter().enumerate() {
@@ -198,7 +203,7 @@ impl Sift<'_> {
                 let number = first * WIDTH + k;
                 let which = self.prepared.solids[number].near(l, spheres) & some;
                 if which != 0 {
-                    near.push((number as u32, which));
+                    near.listed.push((number as u32, which));
                 }
             }
         }

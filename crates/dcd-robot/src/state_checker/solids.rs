@@ -418,7 +418,7 @@ pub(super) fn inner_radius(radius: f64) -> f32 {
 
 /// The margin of what has that size, rounded up.
 pub(super) fn margin_of(size: f64) -> f32 {
-    (MARGIN * size) as f32 + f32::MIN_POSITIVE
+    ((MARGIN * size) as f32).next_up().max(f32::MIN_POSITIVE)
 }
 
 #[cfg(test)]

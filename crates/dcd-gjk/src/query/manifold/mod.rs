@@ -379,7 +379,7 @@ fn manifold_of(
     }
 }
 
-/// The manifolds of shapes of parts at the accuracy of f32.
+/// The manifolds of shapes of parts, at an accuracy below the certified one.
 fn of_few_or_more(
     how: Measure,
     sides: [PosedShape<'_>; 2],

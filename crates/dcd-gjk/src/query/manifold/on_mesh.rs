@@ -303,7 +303,7 @@ impl Member {
             triangle.depth.as_ref().is_some_and(|own| own.normal.dot(depth.normal) >= ALIKE);
         let more = reach(triangle, depth.normal, below) - triangle.slack - depth.depth;
         let is_separated = more <= NEAR * triangle.diameters;
-        let rest = if is_separated { more.max(0.0) } else { 0.0 };
+        let rest = if is_separated { (more + 2.0 * triangle.slack).max(0.0) } else { 0.0 };
         (is_separated || is_alike).then_some(Self { number, is_alike, rest })
     }
 }

@@ -114,7 +114,8 @@ impl EdgeSearch<'_> {
     pub(super) fn slack_of(&self, pair: &EdgePair, deviations: [f64; 2], half: f64) -> f64 {
         let [a, b] = pair.objects.map(|object| &self.movers[object as usize]);
         let lengths = a.length + b.length;
-        let relative = ROUNDING + 4.0 * (deviations[0] + deviations[1]);
+        let turned = a.lengths.turned + b.lengths.turned;
+        let relative = ROUNDING + turned + 4.0 * (deviations[0] + deviations[1]);
         relative * lengths * (1.0 + half * (8.0 + a.turns + b.turns))
     }
 
