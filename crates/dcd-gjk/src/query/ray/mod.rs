@@ -9,6 +9,7 @@ mod half_space;
 mod leaf;
 mod local;
 mod planes;
+mod shared_edges;
 mod solids;
 #[cfg(test)]
 pub(super) mod tests;
@@ -163,6 +164,9 @@ pub struct RayHit {
     /// Whether the ray is proved to meet the shape. If not it comes so near, to within some 1e-13 of the distances
     /// involved, of cones, ellipsoids and rounded shapes some 1e-10 of their reach, that neither a hit nor a miss is
     /// proved: it grazes the shape, ends or begins at its surface, or passes through what is infinitely thin.
+    ///
+    /// Of a compound it says that of the part. A ray through an edge or corner that triangles of a mesh share is proved to meet one
+    /// of these; then all of them say so, each with the times of all.
     pub is_certain: bool,
     /// The surface's, outward, against the ray for a triangle; world axes, of unit length but for rounding. Zero where the
     /// ray begins inside.

@@ -5,7 +5,8 @@
 //! does not prove counts as either.
 
 use super::leaf::NotMissed;
-use super::local::LocalRay;
+use super::local::{LocalRay, is_later};
+use super::shared_edges::{DoubtfulHit, DoubtfulHits, RaySide};
 use super::{Ray, RayHit, general};
 use crate::PosedShape;
 use crate::query::PartIndex;
@@ -48,8 +49,24 @@ impl Sheared {
         [v[x] - self.shear[0] * v[z], v[y] - self.shear[1] * v[z], v[z] * self.per_z]
     }
 
+    /// Whether a ray misses all that is so near to a triangle, metres, or meets it later than `limit`.
+    fn passes(&self, corners: [DVec3; 3], near: f64, limit: f64) -> bool {
+        let [a, b, c] = corners.map(|corner| self.seen(corner));
+        // The shear is at most 1: what is seen of a length is below 1.5 of it.
+        let m = self.margin + 1.5 * near;
+        let is_beside = |k: usize| a[k].min(b[k]).min(c[k]) > m || a[k].max(b[k]).max(c[k]) < -m;
+        let depth_off = m * self.per_z.abs();
+        let (first, last) = (a[2].min(b[2]).min(c[2]), a[2].max(b[2]).max(c[2]));
+        is_beside(0) || is_beside(1) || last + depth_off < 0.0 || is_later(first - depth_off, limit)
+    }
+
     /// The hit of a triangle, without a part.
     pub(super) fn hit(&self, ray: &Ray, local: &LocalRay, corners: [DVec3; 3]) -> Option<RayHit> {
+        Some(self.with_sides(ray, local, corners)?.hit)
+    }
+
+    /// The same, and beside which edges the ray goes.
+    fn with_sides(&self, ray: &Ray, local: &LocalRay, corners: [DVec3; 3]) -> Option<DoubtfulHit> {
         let [a, b, c] = [self.seen(corners[0]), self.seen(corners[1]), self.seen(corners[2])];
         let m = self.margin;
         // Outside of the box round it: a miss of what is seen edge on as well.
@@ -61,15 +78,16 @@ impl Sheared {
         }
         let (u, v, w) = (edge(b, c), edge(c, a), edge(a, b));
         let off = [span(b, c), span(c, a), span(a, b)].map(|span| m * (span + 2.0 * m));
-        let (mut more, mut less) = (0, 0);
-        for (sign, off) in [u, v, w].into_iter().zip(off) {
-            more += u32::from(sign > off);
-            less += u32::from(sign < -off);
-        }
-        if more > 0 && less > 0 {
+        let side = |edge: f64, off: f64| match edge {
+            left if left > off => RaySide::Left,
+            right if right < -off => RaySide::Right,
+            _ => RaySide::Unknown,
+        };
+        let sides = [side(u, off[0]), side(v, off[1]), side(w, off[2])];
+        if sides.contains(&RaySide::Left) && sides.contains(&RaySide::Right) {
             return None;
         }
-        let is_met = more == 3 || less == 3;
+        let is_met = !sides.contains(&RaySide::Unknown);
         let (near, far) = (a[2].min(b[2]).min(c[2]), a[2].max(b[2]).max(c[2]));
         let depth_off = m * self.per_z.abs();
         let determinant = u + v + w;
@@ -90,8 +108,9 @@ impl Sheared {
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let normal = if normal.dot(local.direction) > 0.0 { -normal } else { normal };
         let (t_lower, t_upper) = (first.max(0.0), last.min(ray.max_t()));
-        let is_certain = is_met && first >= 0.0 && last <= ray.max_t();
-        Some(RayHit {
+        let is_within = first >= 0.0 && last <= ray.max_t();
+        let is_certain = is_met && is_within;
+        let hit = RayHit {
             // A corner at the origin may have −0.
             t: if is_certain { t.clamp(t_lower, t_upper) } else { t_lower } + 0.0,
             t_lower,
@@ -100,7 +119,8 @@ impl Sheared {
             normal: local.in_world(normal),
             facet: None,
             part: None,
-        })
+        };
+        Some(DoubtfulHit { corners, sides, is_within, hit })
     }
 }
 
@@ -128,26 +148,34 @@ pub(super) fn of_mesh(
     let slabs = local.slabs(radius * (1.0 + 4.0 * posed.pose.deviation()));
     let sheared = Sheared::of(&local);
     let first = slabs.key_of(limit);
-    let mut of_triangle = |number: u32, _| {
-        let Some(corners) = mesh.corners(number as usize) else { return slabs.key_of(limit) };
-        let hit = if radius == 0.0 {
-            sheared.hit(ray, &local, corners)
-        } else {
-            // Its corners and the radius were checked when the mesh was made.
-            Shape::triangle(corners)
-                .and_then(|triangle| triangle.rounded(radius))
-                .ok()
-                .and_then(|shape| general::hit(ray, PosedShape { shape: &shape, pose: posed.pose }))
-        };
-        if let Some(hit) = hit {
-            limit = visit(RayHit { part: Some(PartIndex::Triangle(number)), ..hit });
-        }
-        slabs.key_of(limit)
-    };
+    let part = |number: u32| Some(PartIndex::Triangle(number));
     if radius == 0.0 {
         let near = NotMissed { sheared: &sheared, leaves: mesh.leaves() };
-        mesh.tree().visit_filtered((&slabs, &near), first, &mut of_triangle);
+        let mut doubtful = DoubtfulHits::default();
+        mesh.tree().visit_filtered((&slabs, &near), first, &mut |number, _| {
+            let found = mesh.corners(number as usize);
+            if let Some(mut found) = found.and_then(|of| sheared.with_sides(ray, &local, of)) {
+                found.hit.part = part(number);
+                let is_met = !found.sides.contains(&RaySide::Unknown);
+                let known = if is_met { Some(found.hit) } else { doubtful.hold(found) };
+                limit = known.map_or(limit, &mut *visit);
+            }
+            slabs.key_of(limit)
+        });
+        doubtful.settle(limit, visit);
     } else {
-        mesh.tree().visit(&slabs, first, &mut of_triangle);
+        let grown = radius * (1.0 + 4.0 * posed.pose.deviation());
+        mesh.tree().visit(&slabs, first, &mut |number, _| {
+            let near = mesh.corners(number as usize);
+            if let Some(corners) = near.filter(|&of| !sheared.passes(of, grown, limit)) {
+                // Its corners and the radius were checked when the mesh was made.
+                let shape = Shape::triangle(corners).and_then(|triangle| triangle.rounded(radius));
+                let of = |shape| general::hit(ray, PosedShape { shape, pose: posed.pose });
+                if let Some(hit) = shape.ok().as_ref().and_then(of) {
+                    limit = visit(RayHit { part: part(number), ..hit });
+                }
+            }
+            slabs.key_of(limit)
+        });
     }
 }
