@@ -4,6 +4,7 @@ mod layer;
 
 use super::{Robot, RobotError, Srdf};
 pub(super) use layer::{Layer, Matrix};
+use std::collections::HashSet;
 use std::path::Path;
 
 /// Which pairs of names, of links or obstacles, may touch: their contacts are not reported.
@@ -66,6 +67,33 @@ impl AllowedPairs {
         self.layers.extend(other.layers.iter().cloned());
     }
 
+    /// Takes over what another SRDF of the same robot says.
+    pub(super) fn merge(&mut self, other: Self) {
+        for layer in other.layers {
+            match self.layers.last_mut() {
+                Some(last) if last.is_of_links() && layer.is_of_links() => last.merge(layer),
+                _ => self.layers.push(layer),
+            }
+        }
+    }
+
+    /// Without what an SRDF says of names that are no links of the robot: obstacles and carried objects are none.
+    pub(super) fn of_robot(mut self, robot: &Robot) -> Self {
+        let links: HashSet<&str> = robot.links().iter().map(|link| link.name.as_str()).collect();
+        self.layers.iter_mut().for_each(|layer| layer.keep_links(&links));
+        self
+    }
+
+    /// Allows what a link carries to touch that link and what else it carries.
+    pub(super) fn carry(&mut self, object: &str, link: &str) {
+        if self.layers.is_empty() {
+            self.layers.push(Layer::default());
+        }
+        let place = self.layers.iter().rposition(|layer| layer.carries_by(link));
+        let place = place.unwrap_or(self.layers.len() - 1);
+        self.layers[place].carry(object, link);
+    }
+
     /// How many of these pairs may touch of which a scene, with a matrix of its own, says nothing: MoveIt takes that matrix in place of all
     /// that an SRDF says, and checks them.
     pub fn count_missing_in_matrix_of(&self, scene: &Self) -> usize {
@@ -102,3 +130,6 @@ impl AllowedPairs {
         self.layers.iter().all(Layer::is_empty)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,7 @@
 //! How near a robot's links are to anything, and how that changes with its joints.
 
 use super::kinematics::{JointFrame, quaternion};
-use super::{Motion, Robot, RobotError, Workcell};
+use super::{Joint, Motion, Robot, RobotError, Workcell};
 use dcd_geom::{Aabb, Pair};
 use dcd_gjk::epa::Scratch;
 use dcd_gjk::query::Twist;
@@ -81,10 +81,11 @@ impl Workcell {
         }
         found.extend(least.with_its_bound());
         let frames = self.robot().link_frames(state)?;
+        let above = self.robot().joints_above();
         let clearance = |(objects, proximity)| Clearance {
             objects,
             proximity,
-            gradient: self.by_joints(state, &frames, objects, &proximity),
+            gradient: self.by_joints((state, &frames, &above), objects, &proximity),
         };
         Ok(found.into_iter().map(clearance).collect())
     }
@@ -94,13 +95,18 @@ impl Workcell {
         let scene = self.scene();
         let aabbs: Vec<Aabb> = (0..scene.len()).map(|i| scene.aabb(i)).collect();
         let mut pairs = Vec::new();
+        let mut add = |i: u32, j: u32| {
+            if scene.allows(i, j) {
+                pairs.push((gap_of(&aabbs[i as usize], &aabbs[j as usize]), Pair { i, j }));
+            }
+        };
+        let mut movers = Vec::new();
         for j in 0..scene.len() as u32 {
-            for i in 0..j {
-                let moves = self.part_of(i as usize).or(self.part_of(j as usize)).is_some();
-                if moves && scene.allows(i, j) {
-                    let gap = gap_of(&aabbs[i as usize], &aabbs[j as usize]);
-                    pairs.push((gap, Pair { i, j }));
-                }
+            if self.part_of(j as usize).is_some() {
+                (0..j).for_each(|i| add(i, j));
+                movers.push(j);
+            } else {
+                movers.iter().for_each(|&i| add(i, j));
             }
         }
         pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -119,19 +125,13 @@ impl Workcell {
     }
 
     /// The derivative by each variable: what each joint above either object moves it by.
-    fn by_joints(
-        &self,
-        state: &[f64],
-        frames: &[JointFrame],
-        [a, b]: [u32; 2],
-        proximity: &Proximity,
-    ) -> Vec<f64> {
-        let mut gradient = vec![0.0; state.len()];
+    fn by_joints(&self, placed: Placed<'_>, [a, b]: [u32; 2], proximity: &Proximity) -> Vec<f64> {
+        let mut gradient = vec![0.0; placed.0.len()];
         for (object, twist) in [(a, proximity.gradient.a), (b, proximity.gradient.b)] {
             let Some(part) = self.part_of(object as usize) else { continue };
             let link = self.robot().parts()[part].link;
             let origin = self.scene().poses()[object as usize].translation();
-            self.robot().add_gradient(state, frames, (link, origin, twist), &mut gradient);
+            add_gradient(placed, (link, origin, twist), &mut gradient);
         }
         gradient
     }
@@ -184,45 +184,53 @@ fn gap_of(a: &Aabb, b: &Aabb) -> f64 {
     below.max(above).max(DVec3::ZERO).length() * ROUNDED
 }
 
+/// A state, the frames of all links there, and the joint above each.
+type Placed<'a> = (&'a [f64], &'a [JointFrame], &'a [Option<&'a Joint>]);
+
 impl Robot {
-    /// Adds what a change of each variable changes by moving something rigid on a link, whose frame has that
-    /// origin in the world and whose derivative is that twist.
-    fn add_gradient(
-        &self,
-        state: &[f64],
-        frames: &[JointFrame],
-        (link, origin, twist): (usize, DVec3, Twist),
-        gradient: &mut [f64],
-    ) {
-        let mut link = link;
-        // A tree: each step leads nearer to the root.
-        while let Some(joint) = self.joints().iter().find(|joint| joint.child == link) {
-            let rest = frames[joint.parent].then(&joint.origin);
-            let turned_by = |axis: DVec3| {
-                let moved = axis.cross(origin - rest.translation);
-                twist.translation.dot(moved) + twist.rotation.dot(axis)
-            };
-            match joint.motion {
-                Motion::Fixed => {}
-                Motion::Turns { axis, by } => {
-                    gradient[by.value] += by.factor * turned_by(rest.rotation * axis);
-                }
-                Motion::Slides { axis, by } => {
-                    let along = rest.rotation * axis;
-                    gradient[by.value] += by.factor * twist.translation.dot(along);
-                }
-                Motion::Orients { first } => {
-                    let q = quaternion(state, first).normalize();
-                    for k in 0..4 {
-                        let mut change = [0.0; 4];
-                        change[k] = 1.0;
-                        let spin = (DQuat::from_array(change) * q.conjugate()).xyz() * 2.0;
-                        gradient[first + k] += turned_by(rest.rotation * spin);
-                    }
+    /// For each link the joint that it hangs on.
+    fn joints_above(&self) -> Vec<Option<&Joint>> {
+        let mut above = vec![None; self.links().len()];
+        self.joints().iter().for_each(|joint| above[joint.child] = Some(joint));
+        above
+    }
+}
+
+/// Adds what a change of each variable changes by moving something rigid on a link, whose frame has that
+/// origin in the world and whose derivative is that twist.
+fn add_gradient(
+    (state, frames, above): Placed<'_>,
+    (link, origin, twist): (usize, DVec3, Twist),
+    gradient: &mut [f64],
+) {
+    let mut link = link;
+    // A tree: each step leads nearer to the root.
+    while let Some(joint) = above[link] {
+        let rest = frames[joint.parent].then(&joint.origin);
+        let turned_by = |axis: DVec3| {
+            let moved = axis.cross(origin - rest.translation);
+            twist.translation.dot(moved) + twist.rotation.dot(axis)
+        };
+        match joint.motion {
+            Motion::Fixed => {}
+            Motion::Turns { axis, by } => {
+                gradient[by.value] += by.factor * turned_by(rest.rotation * axis);
+            }
+            Motion::Slides { axis, by } => {
+                let along = rest.rotation * axis;
+                gradient[by.value] += by.factor * twist.translation.dot(along);
+            }
+            Motion::Orients { first } => {
+                let q = quaternion(state, first).normalize();
+                for k in 0..4 {
+                    let mut change = [0.0; 4];
+                    change[k] = 1.0;
+                    let spin = (DQuat::from_array(change) * q.conjugate()).xyz() * 2.0;
+                    gradient[first + k] += turned_by(rest.rotation * spin);
                 }
             }
-            link = joint.parent;
         }
+        link = joint.parent;
     }
 }
 

@@ -149,11 +149,11 @@ impl PlanningScene {
 
     fn attach(&self, world: &mut World, frames: &Frames<'_>) -> Result<(), RobotError> {
         let mut layer = Layer::default();
-        let mut bodies: HashMap<&str, usize> = HashMap::new();
         for said in &self.0.robot_state.attached_collision_objects {
             let AttachedCollisionObject { link_name, object, touch_links, .. } = &said.value;
             let attached = attached(said, world, frames);
             let attached = attached.map_err(|error| error.at_line(said.line))?;
+            layer.carry(&object.id, link_name);
             for link in touch_links.iter().chain([link_name]) {
                 if frames.link(link).is_none() {
                     world.notes.push(format!(
@@ -163,9 +163,6 @@ impl PlanningScene {
                 }
                 layer.set(&object.id, link, true);
             }
-            // What one link carries does not move against each other.
-            let body = bodies.len();
-            layer.tie(&object.id, *bodies.entry(link_name).or_insert(body));
             world.attached.push(attached);
         }
         world.allowed.push(layer);

@@ -79,14 +79,14 @@ impl Srdf {
             robot: root.attribute("name").unwrap_or_default().to_owned(),
             ..Self::default()
         };
-        let (mut layer, mut names) = (Layer::default(), GroupNames::default());
+        let (mut layer, mut names) = (Layer::of_links(), GroupNames::default());
         for node in walk.children(root)? {
             match node.tag_name().name() {
                 "disable_collisions" => pair(&mut walk, node, &mut layer, true)?,
                 "enable_collisions" => pair(&mut walk, node, &mut layer, false)?,
                 "disable_default_collisions" => {
                     walk.only_attributes(node, &["link"], "disable_default_collisions")?;
-                    layer.set_default(walk.required(node, "link", "robot")?, true);
+                    layer.set_default(name_in(&walk, node, "link", "robot")?, true);
                 }
                 "virtual_joint" => {
                     let joint = virtual_joint(&mut walk, node)?;
@@ -118,7 +118,8 @@ impl Srdf {
         Ok(srdf)
     }
 
-    /// Adds the contents of another file of the same robot, which win where both list a pair.
+    /// Adds the contents of another file of the same robot, which win where both list a pair or a default. A pair that either lists
+    /// comes before the defaults of both.
     ///
     /// # Errors
     /// Another virtual joint than there is; a group or a group's state of a name that there is. Nothing is
@@ -140,7 +141,7 @@ impl Srdf {
         self.groups.extend(groups);
         self.group_states.extend(group_states);
         self.end_effectors.extend(end_effectors);
-        self.allowed.extend(&allowed);
+        self.allowed.merge(allowed);
         self.virtual_joint = self.virtual_joint.take().or(virtual_joint);
         self.notes.extend(notes);
         Ok(())
@@ -187,15 +188,26 @@ fn pair(
 ) -> Result<(), RobotError> {
     let user = node.tag_name().name();
     walk.only_attributes(node, &["link1", "link2", "reason", "proved"], user)?;
-    let [a, b] = ["link1", "link2"].map(|name| walk.required(node, name, "robot"));
+    let [a, b] = ["link1", "link2"].map(|of| name_in(walk, node, of, "robot"));
     layer.set(a?, b?, may);
     Ok(())
+}
+
+/// An attribute that is a name: without the spaces round it, as srdfdom reads them.
+fn name_in<'a>(
+    walk: &Walk,
+    node: Node<'a, '_>,
+    of: &str,
+    user: &str,
+) -> Result<&'a str, RobotError> {
+    let is_space = |c: char| c.is_ascii_whitespace() || c == '\u{b}';
+    Ok(walk.required(node, of, user)?.trim_matches(is_space))
 }
 
 fn virtual_joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<VirtualJoint, RobotError> {
     let user = "virtual_joint";
     walk.only_attributes(node, &["name", "type", "parent_frame", "child_link"], user)?;
-    let said = |name| walk.required(node, name, user).map(str::to_owned);
+    let said = |of| name_in(walk, node, of, user).map(str::to_owned);
     match said("type")?.as_str() {
         "fixed" | "floating" | "planar" => {}
         other => {
@@ -256,6 +268,12 @@ mod tests {
         assert_eq!(lacking, "line 2: robot: disable_collisions has no link2");
         assert!(Srdf::read("<robot").is_err());
         assert!(refused("<scene/>").contains("\"scene\""));
+        let other =
+            refused("<robot><enable_collisions xmlns=\"u\" link1=\"a\" link2=\"b\"/></robot>");
+        assert!(other.contains("enable_collisions has a namespace of its own"), "{other}");
+        assert!(refused("<x:robot xmlns:x=\"u\"/>").contains("root \"robot\" has a prefix"));
+        let inside = refused("<robot xmlns=\"u\" xmlns:x=\"u\"><x:disable_collisions/></robot>");
+        assert!(inside.contains("a prefix without one"), "{inside}");
         assert!(refused("<robot><enable_colisions/></robot>").contains("enable_colisions"));
         let inside = |inside: &str| {
             let links = "link1=\"a\" link2=\"b\"";

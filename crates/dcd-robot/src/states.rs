@@ -12,7 +12,7 @@ use super::urdf::Geometry;
 use super::{Attached, JointPath, LinkShapes, MeshSource, MovedJoint, Robot, RobotError};
 use dcd_geom::Pose;
 use glam::{DQuat, DVec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 /// A state, and what the robot carries in it.
@@ -60,6 +60,8 @@ pub struct AttachedObject {
 #[derive(Debug)]
 pub struct StateReader<'a> {
     robot: &'a Robot,
+    /// Those that have values.
+    joints: HashMap<&'a str, &'a MovedJoint>,
     /// What holds for joints that a line does not name.
     defaults: Vec<f64>,
     meshes: MeshSource,
@@ -73,7 +75,10 @@ impl<'a> StateReader<'a> {
     /// For a robot whose joints are at `defaults` (a value for each of [`Robot::variables`]) where a
     /// line says nothing else; `meshes` says where the mesh files of carried objects are.
     pub fn new(robot: &'a Robot, defaults: Vec<f64>, meshes: MeshSource) -> Self {
-        Self { robot, defaults, meshes, last: (None, Arc::new([])), notes: BTreeMap::new() }
+        let joints =
+            robot.moved_joints().iter().map(|joint| (joint.name.as_str(), joint)).collect();
+        let (last, notes): ((_, Arc<[_]>), _) = ((None, Arc::new([])), BTreeMap::new());
+        Self { robot, joints, defaults, meshes, last, notes }
     }
 
     /// What a user should know of the meshes that were carried since the last call: a sentence each, each once.
@@ -156,7 +161,7 @@ impl<'a> StateReader<'a> {
     }
 
     fn joint(&self, name: &str) -> Result<&'a MovedJoint, RobotError> {
-        if let Some(joint) = self.robot.moved_joints().iter().find(|joint| joint.name == name) {
+        if let Some(&joint) = self.joints.get(name) {
             return Ok(joint);
         }
         if self.robot.joints().iter().any(|joint| joint.name == name) {

@@ -84,7 +84,7 @@ impl Workcell {
         let mut poses = Vec::new();
         robot.place(&robot.rest_state(), &mut poses)?;
         let larger = padded(&robot, world)?;
-        let known = Arc::new(KnownNames::of(allowed.clone()));
+        let known = Arc::new(KnownNames::of(allowed.clone().of_robot(&robot)));
         Self::assemble((robot, poses), &world.obstacles, larger, known)
     }
 

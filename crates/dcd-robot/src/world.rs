@@ -139,11 +139,8 @@ impl World {
     pub fn attach(&mut self, object: Attached, touch: impl IntoIterator<Item = impl AsRef<str>>) {
         // What an earlier object of that name was carried with is elsewhere.
         self.allowed.untie(&object.name);
-        self.allowed.allow(&object.name, &object.link);
+        self.allowed.carry(&object.name, &object.link);
         touch.into_iter().for_each(|name| self.allowed.allow(&object.name, name.as_ref()));
-        for other in self.attached.iter().filter(|other| other.link == object.link) {
-            self.allowed.allow(&object.name, &other.name);
-        }
         self.attached.push(object);
     }
 

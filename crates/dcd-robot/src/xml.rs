@@ -36,6 +36,11 @@ pub(super) fn parse<'a>(what: &'static str, text: &'a str) -> Result<Document<'a
         }
         error => refused(error.to_string()),
     })?;
+    if is_prefixed(document.root_element()) {
+        let error =
+            format!("the root {:?} has a prefix", document.root_element().tag_name().name());
+        return Err(refused(error).at_line(Lines::of(text).line(document.root_element())));
+    }
     match document.descendants().find_map(|node| Some((node, nameless(text, node)?))) {
         None => Ok(document),
         Some((node, name)) => {
@@ -72,6 +77,13 @@ impl Lines {
 /// Whether an attribute is one of those known, which are in no namespace.
 fn is_among(attribute: &Attribute<'_, '_>, known: &[&str]) -> bool {
     attribute.namespace().is_none() && known.contains(&attribute.name())
+}
+
+/// Whether an element is called by a prefix, which is a part of its name to readers that know no namespaces.
+fn is_prefixed(node: Node<'_, '_>) -> bool {
+    let text = &node.document().input_text()[node.range()];
+    let name = text.split(|c: char| c.is_whitespace() || c == '/' || c == '>').next();
+    name.is_some_and(|name| name.contains(':'))
 }
 
 /// What stands between the elements inside this one, if it is more than space.
@@ -140,7 +152,14 @@ impl Walk {
         }
         for child in node.children().filter(Node::is_element) {
             let tag = child.tag_name();
-            if tag.namespace() == node.tag_name().namespace() {
+            let is_own = tag.namespace() == node.tag_name().namespace();
+            // ROS reads an element by its name as it stands, whatever its namespace.
+            if is_own == is_prefixed(child) {
+                let why =
+                    format!("{} has a namespace of its own, or a prefix without one", tag.name());
+                return Err(self.refused(child, node.tag_name().name(), why));
+            }
+            if is_own {
                 own.push(child);
             } else if CARRY_GEOMETRY.contains(&tag.name()) {
                 let why = format!("a {} in another namespace is not understood", tag.name());

@@ -1,6 +1,6 @@
 //! What one source says about pairs.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Pairs, bodies and defaults of one file, or of a robot's own build.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -8,8 +8,12 @@ pub(crate) struct Layer {
     /// In the order of their names.
     pairs: BTreeMap<[String; 2], bool>,
     matrix: Matrix,
-    /// Links of one number are one rigid body.
+    /// Links, or carried objects, of one number are one rigid body.
     bodies: HashMap<String, usize>,
+    /// The body of what each link carries.
+    carried: HashMap<String, usize>,
+    /// Whether all names are of links: an SRDF knows nothing of obstacles.
+    is_of_links: bool,
     /// Whether a name may touch whatever nothing else is said of.
     defaults: BTreeMap<String, bool>,
 }
@@ -44,6 +48,44 @@ impl Matrix {
 }
 
 impl Layer {
+    /// Of names that are those of links, whatever else has them.
+    pub(crate) fn of_links() -> Self {
+        Self { is_of_links: true, ..Self::default() }
+    }
+
+    pub(super) fn is_of_links(&self) -> bool {
+        self.is_of_links
+    }
+
+    /// Takes over the pairs and defaults of another file.
+    pub(super) fn merge(&mut self, other: Self) {
+        self.pairs.extend(other.pairs);
+        self.defaults.extend(other.defaults);
+    }
+
+    /// Forgets, of a layer of links, names that are no links.
+    pub(super) fn keep_links(&mut self, links: &HashSet<&str>) {
+        if self.is_of_links {
+            self.pairs.retain(|pair, _| pair.iter().all(|name| links.contains(name.as_str())));
+            self.defaults.retain(|name, _| links.contains(name.as_str()));
+        }
+    }
+
+    /// Whether something that the link carries is tied here.
+    pub(super) fn carries_by(&self, link: &str) -> bool {
+        self.carried.contains_key(link)
+    }
+
+    /// Ties an object to what else its link carries, and allows it to touch the link.
+    pub(crate) fn carry(&mut self, object: &str, link: &str) {
+        let numbers = self.bodies.values().chain(self.carried.values());
+        let next = || numbers.max().map_or(0, |last| last + 1);
+        let body = self.carried.get(link).copied().unwrap_or_else(next);
+        self.carried.insert(link.to_owned(), body);
+        self.tie(object, body);
+        self.set(object, link, true);
+    }
+
     pub(crate) fn set(&mut self, a: &str, b: &str, may: bool) {
         let (first, second) = if a <= b { (a, b) } else { (b, a) };
         self.pairs.insert([first.to_owned(), second.to_owned()], may);

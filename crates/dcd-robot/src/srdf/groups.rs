@@ -4,7 +4,7 @@ use super::super::bounds::NESTING;
 use super::super::names::Names;
 use super::super::xml::Walk;
 use super::super::{Drive, Motion, MovedJoint, Robot, RobotError};
-use super::Srdf;
+use super::{Srdf, name_in};
 use roxmltree::Node;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
@@ -74,11 +74,11 @@ pub struct JointGroup {
 impl Group {
     pub(super) fn read(walk: &mut Walk, node: Node<'_, '_>) -> Result<Self, RobotError> {
         walk.only(node, &["name"], "group")?;
-        let name = walk.required(node, "name", "group")?.to_owned();
+        let name = name_in(walk, node, "name", "group")?.to_owned();
         let user = format!("group {name:?}");
         let mut members = Vec::new();
         for child in walk.children(node)? {
-            let said = |attribute| walk.required(child, attribute, &user).map(str::to_owned);
+            let said = |attribute| name_in(walk, child, attribute, &user).map(str::to_owned);
             let (known, member): (&[_], _) = match child.tag_name().name() {
                 "link" => (&["name"], GroupMember::Link(said("name")?)),
                 "joint" | "passive_joint" => (&["name"], GroupMember::Joint(said("name")?)),
@@ -102,7 +102,7 @@ impl Group {
 impl GroupState {
     pub(super) fn read(walk: &mut Walk, node: Node<'_, '_>) -> Result<Self, RobotError> {
         walk.only(node, &["name", "group"], "group_state")?;
-        let said = |name| walk.required(node, name, "group_state").map(str::to_owned);
+        let said = |name| name_in(walk, node, name, "group_state").map(str::to_owned);
         let (name, group) = (said("name")?, said("group")?);
         let user = format!("group_state {name:?}");
         let mut joints = Vec::new();
@@ -112,7 +112,7 @@ impl GroupState {
                 return Err(walk.refused(child, &user, why));
             }
             walk.only_attributes(child, &["name", "value"], &user)?;
-            let joint = walk.required(child, "name", &user)?.to_owned();
+            let joint = name_in(walk, child, "name", &user)?.to_owned();
             walk.required(child, "value", &user)?;
             joints.push((joint, walk.any_numbers(child, "value", &user)?));
         }
@@ -125,7 +125,7 @@ impl EndEffector {
         let user = "end_effector";
         let known = ["name", "parent_link", "group", "parent_group", "component_id"];
         walk.only_attributes(node, &known, user)?;
-        let said = |name| walk.required(node, name, user).map(str::to_owned);
+        let said = |name| name_in(walk, node, name, user).map(str::to_owned);
         Ok(Self {
             name: said("name")?,
             group: said("group")?,

@@ -83,6 +83,7 @@ fn what_is_not_understood_is_refused_with_its_line_and_what_makes_no_difference_
         ("radius=\"0.1\"", "radius=\"0,1\"", "\"0,1\" is no number"),
         ("xyz=\"0 0 1\"/><parent", "xyz=\"0 0\"/><parent", "2 numbers, not 3"),
         ("<collision>", "<x:collision xmlns:x=\"u\"/><collision>", "another namespace"),
+        ("<axis xyz", "<axis xmlns=\"u\" xyz", "axis has a namespace of its own"),
         ("<axis xyz", "<axis xyz=\"1 0 0\"/><axis xyz", "two of \"axis\""),
         ("<link name=\"b\">", "<:link name=\"b\">", "a prefix without a name before \":link\""),
         (
