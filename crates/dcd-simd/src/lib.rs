@@ -23,6 +23,7 @@ mod box_test;
 mod half;
 mod lane_numbers;
 mod lanes;
+mod ordered;
 mod pair;
 mod path;
 #[cfg_attr(
@@ -45,6 +46,7 @@ pub use box_test::{BoxTest, HeightsAlong, PlaneSet, PointDistance, RaySlabs, nea
 pub use half::Half;
 pub use lane_numbers::LaneNumbers;
 pub use lanes::Lanes;
+pub use ordered::{larger, smaller};
 pub use pair::Pair;
 pub use path::{Path, UnavailablePath};
 pub use sphere16::{BoundingSphere, Sphere16};

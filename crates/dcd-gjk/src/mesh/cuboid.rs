@@ -8,6 +8,7 @@ use crate::closed::nearest_of_triangle;
 use crate::epa::Depth;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Pose, Shape};
+use dcd_simd::{larger, smaller};
 use std::hint::select_unpredictable;
 
 /// What the corners of a triangle lose on their way into the cuboid's frame. Unit: u·m.
@@ -386,16 +387,6 @@ impl Axes {
 fn across(edge: DVec3) -> [f64; 3] {
     let DVec3 { x, y, z } = edge * edge;
     [(y + z).sqrt(), (z + x).sqrt(), (x + y).sqrt()]
-}
-
-/// The smaller; the first where the second is NaN.
-fn smaller(a: f64, b: f64) -> f64 {
-    if b < a { b } else { a }
-}
-
-/// The larger, likewise.
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use crate::closed::nearest_of_triangle;
 use crate::epa::Depth;
 use dcd_geom::Pose;
 use dcd_geom::glam::DVec3;
+use dcd_simd::{larger, smaller};
 use std::hint::select_unpredictable;
 
 /// The sine between an edge of each below which no axis is taken from the two. Larger: pairs that are searched. Smaller: axes
@@ -216,16 +217,6 @@ fn lowest([p, q, r]: [DVec3; 3], direction: DVec3) -> DVec3 {
     let along = [direction.dot(p), direction.dot(q), direction.dot(r)];
     let (low, corner) = if along[1] < along[0] { (along[1], q) } else { (along[0], p) };
     if along[2] < low { r } else { corner }
-}
-
-/// The smaller; the first where the second is NaN.
-fn smaller(a: f64, b: f64) -> f64 {
-    if b < a { b } else { a }
-}
-
-/// The larger, likewise.
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
 }
 
 #[cfg(test)]

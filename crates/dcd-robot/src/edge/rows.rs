@@ -6,7 +6,7 @@ use super::ROUNDED_UP;
 use super::bounding_volumes::Solid;
 use crate::state_checker::covers::CoverSphere;
 use dcd_geom::Pose;
-use dcd_simd::{Kernel, Lanes, dispatch};
+use dcd_simd::{Kernel, Lanes, dispatch, larger, smaller};
 use glam::{DMat3, DVec3};
 
 /// How many spheres there are at most.
@@ -147,7 +147,7 @@ impl Kernel for Place<'_> {
             let vz = at_base.z + (turn.x * dy - turn.y * dx);
             let now = (vx * vx + vy * vy + vz * vz).sqrt() + row.outer[k] * turning;
             let moved = half * now * ROUNDED_UP + motion.change;
-            placed.moved[k] = lesser(moved, motion.most) * ROUNDED_UP;
+            placed.moved[k] = smaller(motion.most, moved) * ROUNDED_UP;
         }
     }
 }
@@ -180,17 +180,17 @@ impl Kernel for AgainstSolid<'_> {
             Solid::Box { middle, half, swept } => {
                 for k in 0..ROW {
                     let [x, y, z] = local(k);
-                    let x = greater((x - middle.x).abs() - half.x, 0.0);
-                    let y = greater((y - middle.y).abs() - half.y, 0.0);
-                    let z = greater((z - middle.z).abs() - half.z, 0.0);
+                    let x = larger(0.0, (x - middle.x).abs() - half.x);
+                    let y = larger(0.0, (y - middle.y).abs() - half.y);
+                    let z = larger(0.0, (z - middle.z).abs() - half.z);
                     far[k] = (x * x + y * y + z * z).sqrt() - swept;
                 }
             }
             Solid::Cylinder { half, radius, swept } => {
                 for k in 0..ROW {
                     let [x, y, z] = local(k);
-                    let side = greater((x * x + y * y).sqrt() - radius, 0.0);
-                    let end = greater(z.abs() - half, 0.0);
+                    let side = larger(0.0, (x * x + y * y).sqrt() - radius);
+                    let end = larger(0.0, z.abs() - half);
                     far[k] = (side * side + end * end).sqrt() - swept;
                 }
             }
@@ -231,13 +231,13 @@ impl Kernel for AgainstRow<'_> {
                 gap[l] = length - outer - other.outer[l];
                 within[l] = length - inner - other.inner[l];
             }
-            upper = lesser(least_of(&within), upper);
+            upper = smaller(upper, least_of(&within));
             let least_here = least_of(&gap);
             if least_here < least {
                 (least, nearest) = (least_here, [k, first_least(&gap).1]);
             }
         }
-        (least, greater(upper, 0.0), nearest)
+        (least, larger(0.0, upper), nearest)
     }
 }
 
@@ -263,42 +263,30 @@ impl Kernel for Farthest<'_> {
             for k in 0..LANES {
                 let (x, y, z) = (x[k], y[k], z[k]);
                 let (at_d, at_e) = (x * d.x + y * d.y + z * d.z, x * e.x + y * e.y + z * e.z);
-                most_d[k] = greater(at_d, most_d[k]);
-                most_e[k] = greater(at_e, most_e[k]);
+                most_d[k] = larger(most_d[k], at_d);
+                most_e[k] = larger(most_e[k], at_e);
             }
         }
         let (mut far_d, mut far_e) = (most_d[0], most_e[0]);
         for k in 1..LANES {
-            far_d = greater(most_d[k], far_d);
-            far_e = greater(most_e[k], far_e);
+            far_d = larger(far_d, most_d[k]);
+            far_e = larger(far_e, most_e[k]);
         }
         [far_d, far_e]
     }
-}
-
-/// b where either is no number.
-#[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// b where either is no number.
-#[inline(always)]
-fn lesser(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }
 
 #[inline(always)]
 fn least_of(row: &Row) -> f64 {
     let mut eight = [0.0; 8];
     for k in 0..8 {
-        eight[k] = lesser(row[k], row[k + 8]);
+        eight[k] = smaller(row[k + 8], row[k]);
     }
     let mut four = [0.0; 4];
     for k in 0..4 {
-        four[k] = lesser(eight[k], eight[k + 4]);
+        four[k] = smaller(eight[k + 4], eight[k]);
     }
-    lesser(lesser(four[0], four[2]), lesser(four[1], four[3]))
+    smaller(smaller(four[3], four[1]), smaller(four[2], four[0]))
 }
 
 /// The least and the first that is as small.

@@ -2,6 +2,7 @@
 
 use super::facing::FACING;
 use dcd_geom::Polytope;
+use dcd_simd::{larger, smaller};
 
 /// The number of a box's face along axis `k` or against it: its index into [`dcd_geom::Facets`]. `None` where it is not
 /// one of six.
@@ -44,9 +45,7 @@ const SIZES: std::ops::Range<f64> = 1e-60..1e60;
 /// saves a search for the hull. `None` where rounding could play a part.
 #[inline(always)]
 pub(crate) fn case_of([x, y, z]: [f64; 3]) -> Option<u32> {
-    let larger = |v: f64, w: f64| if v > w { v } else { w };
-    let smaller = |v: f64, w: f64| if v < w { v } else { w };
-    let (most, least) = (larger(larger(x, y), z), smaller(smaller(x, y), z));
+    let (most, least) = (larger(z, larger(y, x)), smaller(z, smaller(y, x)));
     let [apart, thin] = DISTINCT;
     let is_sure = |v: f64, w: f64| (v == w) | ((v - w).abs() > apart * most);
     // False for NaN.

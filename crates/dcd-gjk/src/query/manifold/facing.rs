@@ -5,6 +5,7 @@ mod triangle;
 use super::{Feature, cuboids};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Facets, HalfEdge, Kind, Polytope};
+use dcd_simd::larger;
 use std::hint::select_unpredictable;
 use triangle::Triangle;
 
@@ -84,11 +85,6 @@ impl<'a> Part<'a> {
 /// An edge of two vertices, whichever way it is walked.
 pub(super) fn edge(j: u32, k: u32) -> Feature {
     Feature::Edge(j.min(k), j.max(k))
-}
-
-/// The larger; the first where the second is NaN.
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
 }
 
 /// Which part of a polytope faces a direction of its own frame, of unit length.

@@ -10,7 +10,7 @@ use super::{NONE, Row, SphereRow, TURNED, TwistRow};
 use crate::kinematics::JointFrame;
 use crate::state_checker::link_frames::{FrameRow, HALF, LinkFrames};
 use crate::{Drive, Motion, Robot};
-use dcd_simd::{Kernel, Lanes};
+use dcd_simd::{Kernel, Lanes, larger};
 use glam::{DMat3, DVec3};
 
 /// What bounds how two bodies close.
@@ -180,11 +180,11 @@ impl Kernel for PlaceSphere<'_> {
                 };
                 let (xy, xz, yz) = (dot(0, 1).abs(), dot(0, 2).abs(), dot(1, 2).abs());
                 let square = |i: usize| (dot(i, i) - 1.0).abs();
-                let most = greater(square(0) + xy + xz, square(1) + xy + yz);
-                deviations[h][k] = greater(most, square(2) + xz + yz);
+                let most = larger(square(1) + xy + yz, square(0) + xy + xz);
+                deviations[h][k] = larger(square(2) + xz + yz, most);
             }
         }
-        let largest = deviations.as_flattened().iter().fold(0.0, |a, &b| greater(a, b));
+        let largest = deviations.as_flattened().iter().fold(0.0, |a, &b| larger(b, a));
         // As a pose's is, for what these sums lose.
         to.deviation = largest + 24.0 * f64::EPSILON;
     }
@@ -271,7 +271,7 @@ impl Kernel for ToSolid<'_> {
                     for k in 0..HALF {
                         let ([x, y, z], [u, v, w]) = (at(h, k), speed(h, k));
                         let flat = (x * x + y * y).sqrt();
-                        let (side, end) = (greater(flat - radius, 0.0), beyond(z, half));
+                        let (side, end) = (larger(0.0, flat - radius), beyond(z, half));
                         far[h][k] = (side * side + end * end).sqrt();
                         let out = if side > 0.0 { side * (x * u + y * v) / flat } else { 0.0 };
                         along[h][k] = (out + end * w).abs();
@@ -294,7 +294,7 @@ impl Kernel for ToSolid<'_> {
 /// How far x is beyond an end, with its sign; 0 between the ends.
 #[inline(always)]
 fn beyond(x: f64, half: f64) -> f64 {
-    greater(x.abs() - half, 0.0).copysign(x)
+    larger(0.0, x.abs() - half).copysign(x)
 }
 
 /// The lanes in which a number is not above 0: so is none that is no number.
@@ -303,10 +303,4 @@ fn not_positive<L: Lanes>(l: L, row: &Row) -> u16 {
     let zero = l.splat_d(0.0);
     let [first, second] = [l.lt_d(zero, l.load_d(&row[0])), l.lt_d(zero, l.load_d(&row[1]))];
     !(first | second << HALF) as u16
-}
-
-/// b where either is no number.
-#[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
