@@ -34,7 +34,7 @@ pub(super) fn parse<'a>(what: &'static str, text: &'a str) -> Result<Document<'a
                 text.split("<!DOCTYPE").next().map_or(0, |before| before.matches('\n').count());
             refused("a document type and its entities are not read".to_owned()).at_line(line + 1)
         }
-        error => refused(error.to_string()),
+        error => refused(error.to_string()).at_line(error.pos().row as usize),
     })?;
     if is_prefixed(document.root_element()) {
         let error =
