@@ -419,4 +419,4 @@ fn add_matrix(matrix: &AllowedCollisionMatrix, layer: &mut Layer) -> Result<(), 
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

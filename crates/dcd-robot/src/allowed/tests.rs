@@ -1,7 +1,7 @@
 use super::AllowedPairs;
+use crate::scene::tests::touching_in;
 use crate::{Attached, LinkShapes, Obstacle, Robot, Srdf, Workcell, World};
 use dcd_geom::{Pose, Shape};
-use dcd_pipeline::{Par, Pipeline};
 use std::path::Path;
 
 /// Three balls of radius 1.2 at x = 0, 1 and 2, each on a joint of its own, so that no two are rigid.
@@ -30,13 +30,7 @@ fn carried(name: &str, link: &str) -> Attached {
 
 /// The touching pairs of names, sorted.
 fn touching(world: &World, allowed: &AllowedPairs) -> Vec<[String; 2]> {
-    let cell = Workcell::new(robot(), world, allowed).unwrap();
-    let mut pipeline = Pipeline::new();
-    let step = pipeline.step(cell.scene(), Par::Serial);
-    let mut pairs: Vec<_> =
-        step.contacts().map(|pair| cell.names_of(pair).map(str::to_owned)).collect();
-    pairs.sort();
-    pairs
+    touching_in(&Workcell::new(robot(), world, allowed).unwrap())
 }
 
 /// With a ball in the world that touches all links.

@@ -65,6 +65,11 @@ fn touching(world: &World) -> Vec<[String; 2]> {
     let mut cell = Workcell::new(arm(), world, &allowed).unwrap();
     let state = cell.robot().state(&world.joints).unwrap();
     cell.set_state(&state).unwrap();
+    touching_in(&cell)
+}
+
+/// The touching pairs of names where a cell is, sorted.
+pub(crate) fn touching_in(cell: &Workcell) -> Vec<[String; 2]> {
     let mut pipeline = Pipeline::new();
     let step = pipeline.step(cell.scene(), Par::Serial);
     let mut pairs: Vec<_> =

@@ -145,3 +145,78 @@ fn the_middle_of_a_cubes_face_is_certainly_met_and_its_rim_is_not() {
     assert!(middle.is_certain && (middle.t - 4.0).abs() < 1e-12, "{middle:?}");
     assert!(!at(1.0, 0.0).is_certain && !at(1.0, 1.0).is_certain);
 }
+
+/// Where a vertical line meets a triangle of whole coordinates, exactly: between these heights, if it does.
+fn heights([p, q, r]: [[i64; 3]; 3], [x, y]: [i64; 2]) -> Option<[f64; 2]> {
+    let area = |a: [i64; 3], b: [i64; 3]| (a[0] - x) * (b[1] - y) - (a[1] - y) * (b[0] - x);
+    let weights = [area(q, r), area(r, p), area(p, q)];
+    let sum: i64 = weights.iter().sum();
+    if sum != 0 {
+        let is_inside = weights.iter().all(|&w| w * sum.signum() >= 0);
+        let along = weights[0] * p[2] + weights[1] * q[2] + weights[2] * r[2];
+        return is_inside.then_some([along as f64 / sum as f64; 2]);
+    }
+    // Seen edge on: where the line meets its edges.
+    let mut found: Option<[f64; 2]> = None;
+    for [a, b] in [[p, q], [q, r], [r, p]] {
+        let ends = [0, 1].map(|k| (a[k].min(b[k]), a[k].max(b[k])));
+        let holds = (ends[0].0..=ends[0].1).contains(&x) && (ends[1].0..=ends[1].1).contains(&y);
+        if area(a, b) != 0 || !holds {
+            continue;
+        }
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let span = match dx * dx + dy * dy {
+            0 => [a[2].min(b[2]) as f64, a[2].max(b[2]) as f64],
+            square => {
+                let part = ((x - a[0]) * dx + (y - a[1]) * dy) as f64 / square as f64;
+                [a[2] as f64 + part * (b[2] - a[2]) as f64; 2]
+            }
+        };
+        let known = found.unwrap_or(span);
+        found = Some([known[0].min(span[0]), known[1].max(span[1])]);
+    }
+    found
+}
+
+#[test]
+fn certain_hits_of_crumpled_meshes_on_a_grid_are_those_of_whole_numbers() {
+    let mut random = Random::seeded(41);
+    let (mut certain, mut doubtful, mut missed) = (0, 0, 0);
+    for round in 0..600i64 {
+        let mut draw = |count: i64| ((random.next() * 0.5 + 0.5) * count as f64) as i64;
+        let side = 3 + round % 3;
+        let vertices: Vec<[i64; 3]> =
+            (0..6 + round % 5).map(|_| [draw(side), draw(side), draw(3)]).collect();
+        let mut corner = || draw(vertices.len() as i64) as u32;
+        let triangles: Vec<[u32; 3]> =
+            (0..4 + round % 9).map(|_| [corner(), corner(), corner()]).collect();
+        let places = vertices.iter().map(|v| DVec3::from_array(v.map(|x| x as f64)));
+        let mesh = Shape::mesh(places.collect(), triangles.clone()).unwrap();
+        for (x, y) in (0..side).flat_map(|x| (0..side).map(move |y| (x, y))) {
+            let from = DVec3::new(x as f64, y as f64, -8.0);
+            let ray = Ray::endless(from, DVec3::Z).unwrap();
+            let truth = triangles.iter().filter_map(|triangle| {
+                heights(triangle.map(|corner| vertices[corner as usize]), [x, y])
+            });
+            let truth: Vec<[f64; 2]> = truth.collect();
+            let lowest = truth.iter().map(|[low, _]| low + 8.0).fold(f64::INFINITY, f64::min);
+            match first_hit(&ray, PosedShape { shape: &mesh, pose: &Pose::IDENTITY }) {
+                None => {
+                    assert!(truth.is_empty(), "{round} {x} {y}");
+                    missed += 1;
+                }
+                Some(hit) => {
+                    let said = format!("{round} {x} {y}: {hit:?} {truth:?}");
+                    assert!(hit.t_lower <= lowest + 1e-12, "{said}");
+                    if hit.is_certain {
+                        assert!(lowest <= hit.t_upper + 1e-12, "{said}");
+                        certain += 1;
+                    } else {
+                        doubtful += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(certain > 500 && doubtful > 1000 && missed > 1000, "{certain} {doubtful} {missed}");
+}
