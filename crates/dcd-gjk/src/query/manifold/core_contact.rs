@@ -2,7 +2,7 @@
 
 use super::Feature;
 use super::cuboid_faces::number_in;
-use super::cuboids::Seen;
+use super::cuboids::CuboidFeature;
 use super::facing::Part;
 use super::feature::cross_by;
 use super::patch_writer::PatchWriter;
@@ -50,15 +50,15 @@ fn shown(core: &NearCore<'_>, towards: DVec3) -> Option<Shown> {
         },
         NearCore::Cuboid(cuboid) => {
             let towards = cuboid.towards.to_array();
-            let seen = Seen::towards(towards);
+            let seen = CuboidFeature::towards(towards);
             let face = |axis: usize| number_in(cuboid.case(), axis, towards[axis] > 0.0);
             // Of a flat one two corners may be the farthest; it has no number.
             face(0)?;
             let feature = seen.feature(towards, face)?;
             match seen {
-                Seen::Face(_) => Shown::Face(feature),
-                Seen::Edge(axis) => Shown::Edge(feature, cuboid.edge(axis)),
-                Seen::Vertex => Shown::Vertex(feature),
+                CuboidFeature::Face(_) => Shown::Face(feature),
+                CuboidFeature::Edge(axis) => Shown::Edge(feature, cuboid.edge(axis)),
+                CuboidFeature::Vertex => Shown::Vertex(feature),
             }
         }
     })

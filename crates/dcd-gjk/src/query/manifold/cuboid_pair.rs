@@ -2,7 +2,7 @@
 
 use super::clip::different;
 use super::cuboid_polygon::{MOST, Points, features};
-use super::cuboids::{self, Clipped, Clipping};
+use super::cuboids::{self, Clipped, CuboidClipping};
 use super::feature_code::FeatureCode;
 use super::patch_writer::{PatchWriter, Point};
 use super::reduce::{self, Spot};
@@ -53,7 +53,7 @@ pub(super) fn write_clipped(
     let Some(clipped) = cuboids::clipped(points, depth.normal, [a, b]) else { return false };
     let size = clipped.patch.size;
     let is_patch = clipped.face.as_ref().is_some_and(|(clipping, number)| {
-        let seen = Seen { clipped: &clipped, clipping, number: *number };
+        let seen = ClippedPair { clipped: &clipped, clipping, number: *number };
         let error_bound = bound_of(depth, size, [a, b]);
         seen.write(depth, points, (a.pose.translation(), error_bound), writer)
     });
@@ -65,13 +65,13 @@ pub(super) fn write_clipped(
 }
 
 /// What a face clips, and whose it is: 0 or 1.
-struct Seen<'a> {
+struct ClippedPair<'a> {
     clipped: &'a Clipped<'a>,
-    clipping: &'a Clipping<'a>,
+    clipping: &'a CuboidClipping<'a>,
     number: usize,
 }
 
-impl Seen<'_> {
+impl ClippedPair<'_> {
     /// False, and nothing written, where no corner is as deep as the pair.
     #[inline(always)]
     fn write(

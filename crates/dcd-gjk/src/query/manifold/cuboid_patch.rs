@@ -17,7 +17,7 @@ pub(super) fn write(
     sides: [PosedShape<'_>; 2],
     writer: &mut impl PatchWriter,
 ) -> bool {
-    let (codes, seen) = (patch.codes(), Seen::of(patch, sides));
+    let (codes, seen) = (patch.codes(), SeenPatch::of(patch, sides));
     // Of the one that clips, and of the other.
     let [clips, other] = patch.shown();
     let [a, b] = sides;
@@ -29,7 +29,7 @@ pub(super) fn write(
     let is_crossing = clips.kind != ShownKind::Face;
     let corners = Numbered::of([clips, other]);
     let to_other = seen.normal * if codes.clips() == 0 { -1.0 } else { 1.0 };
-    let Seen { origin, is_of_a, .. } = seen;
+    let SeenPatch { origin, is_of_a, .. } = seen;
     let placed = Placed { origin, to_other, is_of_a, is_crossing, whole, corners };
     let mut points = patch.points();
     let Some(deepest) = points.next() else { return false };
@@ -45,7 +45,7 @@ pub(in crate::query) fn depth_of_patch(
     patch: CuboidPatch<'_>,
     sides: [PosedShape<'_>; 2],
 ) -> Option<Depth> {
-    let seen = Seen::of(patch, sides);
+    let seen = SeenPatch::of(patch, sides);
     let PatchPoint { offset: [x, y, z], depth, .. } = patch.points().next()?;
     let depth = f64::from(depth);
     let on_clips = seen.origin + DVec3::new(x.into(), y.into(), z.into());
@@ -61,7 +61,7 @@ pub(in crate::query) fn depth_of_patch(
 }
 
 /// A patch beside its two cuboids.
-struct Seen {
+struct SeenPatch {
     /// The first's centre.
     origin: DVec3,
     /// From the first to the second.
@@ -71,7 +71,7 @@ struct Seen {
     error_bound: f64,
 }
 
-impl Seen {
+impl SeenPatch {
     #[inline(always)]
     fn of(patch: CuboidPatch<'_>, [a, b]: [PosedShape<'_>; 2]) -> Self {
         let is_swapped = patch.is_swapped();

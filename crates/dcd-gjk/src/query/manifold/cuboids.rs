@@ -41,13 +41,13 @@ struct Side<'a> {
 
 /// What a box shows: the axis that its face is normal to, that its edge is along, or its farthest corner.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Seen {
+pub(super) enum CuboidFeature {
     Face(usize),
     Edge(usize),
     Vertex,
 }
 
-impl Seen {
+impl CuboidFeature {
     /// What a box shows along a unit direction of its own frame.
     #[inline(always)]
     pub(super) fn towards(direction: [f64; 3]) -> Self {
@@ -59,11 +59,11 @@ impl Seen {
             least = if along[k] < along[least] { k } else { least };
         }
         if along[most] > FACING {
-            Seen::Face(most)
+            CuboidFeature::Face(most)
         } else if along[least] < LEVEL {
-            Seen::Edge(least)
+            CuboidFeature::Edge(least)
         } else {
-            Seen::Vertex
+            CuboidFeature::Vertex
         }
     }
 
@@ -94,7 +94,7 @@ fn farthest(direction: [f64; 3]) -> u32 {
 pub(super) struct Clipped<'a> {
     pub(super) patch: Patch,
     /// With the number of the box whose face it is, 0 or 1.
-    pub(super) face: Option<(Clipping<'a>, usize)>,
+    pub(super) face: Option<(CuboidClipping<'a>, usize)>,
     /// The swept radii.
     pub(super) radii: [f64; 2],
     /// See [`Corner::swept`].
@@ -119,23 +119,23 @@ pub(super) fn clipped<'a>(
     let level = [side_a.level(seen_a), side_b.level(seen_b)];
     let in_one_point = Clipped { patch: Patch { whole, size }, face: None, radii, level };
     let facing = |side: &Side<'_>, seen| match seen {
-        Seen::Face(k) => side.towards[k].abs(),
+        CuboidFeature::Face(k) => side.towards[k].abs(),
         _ => 0.0,
     };
     // The face that is more square to the normal clips: its plane is the better known.
     let a_clips = facing(&side_a, seen_a) >= facing(&side_b, seen_b);
     let (k, other, number) = match (seen_a, seen_b) {
-        (Seen::Vertex, _) | (_, Seen::Vertex) => return Some(in_one_point),
-        (Seen::Edge(j), Seen::Edge(k)) => {
+        (CuboidFeature::Vertex, _) | (_, CuboidFeature::Vertex) => return Some(in_one_point),
+        (CuboidFeature::Edge(j), CuboidFeature::Edge(k)) => {
             let (e, f) = (side_a.rotation.col(j), side_b.rotation.col(k));
             return (e.cross(f).length_squared() > CROSSING * CROSSING).then_some(in_one_point);
         }
-        (Seen::Face(k), other) if a_clips => (k, other, 0),
-        (other, Seen::Face(k)) => (k, other, 1),
-        (Seen::Face(k), other) => (k, other, 0),
+        (CuboidFeature::Face(k), other) if a_clips => (k, other, 0),
+        (other, CuboidFeature::Face(k)) => (k, other, 1),
+        (CuboidFeature::Face(k), other) => (k, other, 0),
     };
     let (clips, clipped) = if number == 0 { (side_a, side_b) } else { (side_b, side_a) };
-    let clipping = Clipping::new(clips, k, clipped);
+    let clipping = CuboidClipping::new(clips, k, clipped);
     clipping.points(other, points);
     clipping.clip(points, radii[0] + radii[1])?;
     Some(Clipped { face: Some((clipping, number)), ..in_one_point })
@@ -183,8 +183,8 @@ pub(super) fn shown(side: PosedShape<'_>, towards: DVec3) -> Option<(Feature, DV
     let of_box = Side::of(side, DVec3::ZERO, towards)?;
     let seen = of_box.seen();
     let along = match seen {
-        Seen::Edge(k) => of_box.rotation.col(k),
-        Seen::Face(_) | Seen::Vertex => DVec3::ZERO,
+        CuboidFeature::Edge(k) => of_box.rotation.col(k),
+        CuboidFeature::Face(_) | CuboidFeature::Vertex => DVec3::ZERO,
     };
     Some((of_box.feature(seen)?, along))
 }
@@ -216,21 +216,21 @@ impl<'a> Side<'a> {
     }
 
     #[inline(always)]
-    fn seen(&self) -> Seen {
-        Seen::towards(self.towards)
+    fn seen(&self) -> CuboidFeature {
+        CuboidFeature::towards(self.towards)
     }
 
     /// The cosine of the angle by which what is seen leans; 0 for a vertex.
-    fn level(&self, seen: Seen) -> f64 {
+    fn level(&self, seen: CuboidFeature) -> f64 {
         match seen {
-            Seen::Face(k) => self.towards[k].abs(),
-            Seen::Edge(k) => (1.0 - self.towards[k] * self.towards[k]).max(0.0).sqrt(),
-            Seen::Vertex => 0.0,
+            CuboidFeature::Face(k) => self.towards[k].abs(),
+            CuboidFeature::Edge(k) => (1.0 - self.towards[k] * self.towards[k]).max(0.0).sqrt(),
+            CuboidFeature::Vertex => 0.0,
         }
     }
 
     /// `None` for a face that is not one of six.
-    fn feature(&self, seen: Seen) -> Option<Feature> {
+    fn feature(&self, seen: CuboidFeature) -> Option<Feature> {
         seen.feature(self.towards, |k| self.face(k))
     }
 
@@ -248,7 +248,7 @@ impl<'a> Side<'a> {
 }
 
 /// A face that clips what another box shows.
-pub(super) struct Clipping<'a> {
+pub(super) struct CuboidClipping<'a> {
     clips: Side<'a>,
     /// The axis that its face is normal to, and those of its sides.
     k: usize,
@@ -260,7 +260,7 @@ pub(super) struct Clipping<'a> {
     steepness: f64,
 }
 
-impl<'a> Clipping<'a> {
+impl<'a> CuboidClipping<'a> {
     fn new(clips: Side<'a>, k: usize, clipped: Side<'a>) -> Self {
         let plane = clips.half[k] * clips.towards[k].signum();
         let steepness = 1.0 / clips.towards[k];
@@ -282,7 +282,7 @@ impl<'a> Clipping<'a> {
     }
 
     /// What is clipped: the corners of a face, or the ends of an edge.
-    fn points(&self, seen: Seen, points: &mut Points) {
+    fn points(&self, seen: CuboidFeature, points: &mut Points) {
         let farthest = farthest(self.clipped.towards);
         points.clear();
         let base = self.seen_from_face(self.middle_of(seen, farthest), self.plane);
@@ -297,7 +297,7 @@ impl<'a> Clipping<'a> {
         let sum = |x: [f64; 3], y: [f64; 3]| [x[0] + y[0], x[1] + y[1], x[2] + y[2]];
         let difference = |x: [f64; 3], y: [f64; 3]| [x[0] - y[0], x[1] - y[1], x[2] - y[2]];
         match seen {
-            Seen::Face(k) => {
+            CuboidFeature::Face(k) => {
                 let (along_p, along_q) = ((k + 1) % 3, (k + 2) % 3);
                 let (p, q) = (1 << along_p, 1 << along_q);
                 let number = farthest & !(p | q);
@@ -308,24 +308,24 @@ impl<'a> Clipping<'a> {
                 push(sum(high, v), number | p | q, number | q);
                 push(sum(low, v), number | q, number);
             }
-            Seen::Edge(k) => {
+            CuboidFeature::Edge(k) => {
                 let (low, high) = (farthest & !(1 << k), farthest | 1 << k);
                 let u = edge(k);
                 push(difference(base, u), low, high);
                 push(sum(base, u), high, low);
             }
-            Seen::Vertex => {}
+            CuboidFeature::Vertex => {}
         }
     }
 
     /// The middle of what is clipped, in the frame of the box that clips.
     #[inline]
-    fn middle_of(&self, seen: Seen, farthest: u32) -> [f64; 3] {
+    fn middle_of(&self, seen: CuboidFeature, farthest: u32) -> [f64; 3] {
         let mut middle = self.clipped.corner(farthest);
         match seen {
-            Seen::Face(k) => (middle[(k + 1) % 3], middle[(k + 2) % 3]) = (0.0, 0.0),
-            Seen::Edge(k) => middle[k] = 0.0,
-            Seen::Vertex => {}
+            CuboidFeature::Face(k) => (middle[(k + 1) % 3], middle[(k + 2) % 3]) = (0.0, 0.0),
+            CuboidFeature::Edge(k) => middle[k] = 0.0,
+            CuboidFeature::Vertex => {}
         }
         let [x, y, z] = columns(self.clipped.rotation);
         let between = self.clipped.place - self.clips.place;

@@ -94,7 +94,7 @@ struct Choice<'a> {
 }
 
 /// A vertex of a hull, and the half-edges that leave it.
-struct Corner<'a> {
+struct HullCorner<'a> {
     vertex: u32,
     half_edges: &'a [HalfEdge],
 }
@@ -138,13 +138,13 @@ impl<'a> Choice<'a> {
 
     /// A vertex with what is round it, where the list of faces is what shows it.
     #[inline(always)]
-    fn corner(&self, vertex: u32) -> Option<Corner<'a>> {
+    fn corner(&self, vertex: u32) -> Option<HullCorner<'a>> {
         if self.polytope.kind() != Kind::Hull {
             return None;
         }
         let half_edges = self.polytope.facets().half_edges_from(vertex);
         // A point that is inside of a face or repeated has no faces.
-        (!half_edges.is_empty()).then_some(Corner { vertex, half_edges })
+        (!half_edges.is_empty()).then_some(HullCorner { vertex, half_edges })
     }
 
     /// What a segment shows, without its list of faces.
@@ -189,7 +189,7 @@ impl<'a> Choice<'a> {
         let found = match self.farthest_of(kept, least) {
             Some(Farthest::One(only)) => {
                 let half_edges = self.polytope.facets().half_edges_from(only);
-                Some(self.round_corner(Corner { vertex: only, half_edges }))
+                Some(self.round_corner(HullCorner { vertex: only, half_edges }))
             }
             Some(Farthest::Two(ends)) => self.round_edge(ends),
             Some(Farthest::More(one)) => self.level_face(one),
@@ -245,7 +245,7 @@ impl<'a> Choice<'a> {
     /// What is there round the only farthest vertex. Faces and edges are looked through at once: a branch on what is found
     /// could not be predicted.
     #[inline(always)]
-    fn round_corner(&self, Corner { vertex: only, half_edges }: Corner<'_>) -> Part<'a> {
+    fn round_corner(&self, HullCorner { vertex: only, half_edges }: HullCorner<'_>) -> Part<'a> {
         let vertices = self.polytope.vertices();
         let at = vertices[only as usize];
         // The face that looks most along the direction; and the edge that rises least, by the square of how much relative to

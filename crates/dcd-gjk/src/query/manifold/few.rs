@@ -39,7 +39,7 @@ pub(super) struct Found {
 
 /// How a pair of parts belongs to a manifold.
 #[derive(Clone, Copy, PartialEq)]
-enum Member {
+enum FramedMember {
     /// It is the deepest.
     Lead,
     /// Its own normal agrees.
@@ -88,7 +88,7 @@ fn write_in_order(
             *depth = sharpened(couple.posed(*pair)?.0, *depth);
         }
     }
-    Patches { framed: &framed, parts: &couple, found, corners }.write_all(set)
+    FramedPatches { framed: &framed, parts: &couple, found, corners }.write_all(set)
 }
 
 /// Writes the manifolds of two shapes over a set of one empty manifold, of which it is known which parts touch; false, and
@@ -133,7 +133,7 @@ fn write_known_in_order(
         };
         found.push(Found { pair, depth, is_open: true });
     }
-    Patches { framed: &framed, parts: &parts, found, corners }.write_all(set)
+    FramedPatches { framed: &framed, parts: &parts, found, corners }.write_all(set)
 }
 
 /// Where the parts are that touch.
@@ -192,14 +192,14 @@ fn place(manifold: &mut Manifold, framed: &Framed<'_>) {
 }
 
 /// The pairs of parts that touch, and what their manifolds are made with.
-struct Patches<'a, P> {
+struct FramedPatches<'a, P> {
     framed: &'a Framed<'a>,
     parts: &'a P,
     found: &'a mut [Found],
     corners: &'a mut Corners,
 }
 
-impl<P: Parts> Patches<'_, P> {
+impl<P: Parts> FramedPatches<'_, P> {
     fn write_all(&mut self, set: &mut ManifoldSet) -> Option<()> {
         let (lead, depth) = self.deepest()?;
         self.write(lead, &depth, set.only_mut()?)?;
@@ -274,11 +274,11 @@ impl<P: Parts> Patches<'_, P> {
             let before = self.corners.len();
             let is_bounded = posed.iter().all(|side| side.shape.is_bounded());
             // A sphere has no corners; of the deepest pair the size and the features count.
-            if member == Member::Lead || !(is_bounded && posed.into_iter().any(is_sphere)) {
+            if member == FramedMember::Lead || !(is_bounded && posed.into_iter().any(is_sphere)) {
                 let whole = self.add_corners(&view, depth, (&own, posed));
-                features = if member == Member::Lead { whole } else { features };
+                features = if member == FramedMember::Lead { whole } else { features };
             }
-            if let Member::Separated(more) = member {
+            if let FramedMember::Separated(more) = member {
                 rest = rest.max(more);
             } else if self.corners.len() == before {
                 self.corners.add_witness(&view, &own, sides[0].pose.translation());
@@ -324,19 +324,19 @@ impl<P: Parts> Patches<'_, P> {
     }
 
     /// How a pair belongs to the manifold of the deepest, if it does.
-    fn member(&self, k: usize, lead: usize, depth: &Depth) -> Option<Member> {
+    fn member(&self, k: usize, lead: usize, depth: &Depth) -> Option<FramedMember> {
         if k == lead {
-            return Some(Member::Lead);
+            return Some(FramedMember::Lead);
         }
         let Found { pair, depth: own, .. } = &self.found[k];
         if own.normal.dot(depth.normal) >= ALIKE {
-            return Some(Member::Alike);
+            return Some(FramedMember::Alike);
         }
         if self.parts.surely_reach_beyond(k, depth) {
             return None;
         }
         let (posed, _) = self.parts.posed(*pair)?;
-        rest(posed, depth).map(Member::Separated)
+        rest(posed, depth).map(FramedMember::Separated)
     }
 }
 

@@ -22,7 +22,7 @@ const MOST: usize = 16;
 
 /// A corner of a part that is not above the plane.
 #[derive(Clone, Copy, Default)]
-struct Corner {
+struct PartCorner {
     part: u32,
     index: u32,
     /// Of the part's surface, in the compound's frame.
@@ -36,7 +36,7 @@ struct Corner {
     error_bound: f64,
 }
 
-impl Spot for Corner {
+impl Spot for PartCorner {
     #[inline]
     fn at(&self) -> DVec2 {
         self.at
@@ -50,7 +50,7 @@ impl Spot for Corner {
 
 /// The parts of a compound that touch a half-space.
 struct Below {
-    corners: ArrayVec<Corner, { MOST * CORNERS }>,
+    corners: ArrayVec<PartCorner, { MOST * CORNERS }>,
     /// Square to the normal, in the compound's frame.
     axes: (DVec3, DVec3),
     /// The deepest part, how deep it is, and what that may be off by: another may be deeper by its own bound.
@@ -120,7 +120,15 @@ impl Below {
             resting.each_below(depth, |index, corner, depth| {
                 let point = pose.apply(corner) + swept;
                 let at = DVec2::new(x.dot(point), y.dot(point));
-                self.corners.push(Corner { part, index, point, at, depth, inside, error_bound });
+                self.corners.push(PartCorner {
+                    part,
+                    index,
+                    point,
+                    at,
+                    depth,
+                    inside,
+                    error_bound,
+                });
             });
             resting.size()
         })?;
@@ -155,7 +163,7 @@ impl Below {
         found.parts = [Some(PartIndex::Part(self.part)), None];
         let whole = self.whole();
         let off_surface = |&k: &usize| {
-            let Corner { inside, depth, error_bound, .. } = corners[k];
+            let PartCorner { inside, depth, error_bound, .. } = corners[k];
             let own = (error_bound - whole.error_bound).max(0.0);
             inside.min((self.depth - depth).max(0.0)) + own
         };
@@ -173,7 +181,7 @@ impl Below {
 
     /// A corner's points in the world: of the part, and of the plane over it.
     #[inline(always)]
-    fn point(&self, corner: &Corner, (normal, pose): (DVec3, &Pose)) -> ManifoldPoint {
+    fn point(&self, corner: &PartCorner, (normal, pose): (DVec3, &Pose)) -> ManifoldPoint {
         let point_a = pose.apply(corner.point);
         ManifoldPoint {
             point_a,

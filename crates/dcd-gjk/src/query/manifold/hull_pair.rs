@@ -136,8 +136,13 @@ pub(super) fn write(
         [Side::of(&view, in_a, &part_a, &placed[0]), Side::of(&view, in_b, &part_b, &placed[1])];
     // The face that is more square to the normal clips: its plane is the better known.
     let number = usize::from(sides[0].facing < sides[1].facing);
-    let clipping =
-        Clipping { view: &view, clips: &sides[number], clipped: &sides[1 - number], number, size };
+    let clipping = HullClipping {
+        view: &view,
+        clips: &sides[number],
+        clipped: &sides[1 - number],
+        number,
+        size,
+    };
     let Some(base) = clipping.clip(points) else { return false };
     let error_bound = bound_of(depth, size, [a, b]);
     let origin = a.pose.translation();
@@ -148,7 +153,7 @@ pub(super) fn write(
 }
 
 /// What clips, and what is clipped.
-struct Clipping<'a> {
+struct HullClipping<'a> {
     view: &'a View,
     clips: &'a Side<'a>,
     clipped: &'a Side<'a>,
@@ -158,7 +163,7 @@ struct Clipping<'a> {
     size: f64,
 }
 
-impl Clipping<'_> {
+impl HullClipping<'_> {
     /// The swept radii of a and of b.
     fn radii(&self) -> [f64; 2] {
         let radii = [self.clips.polytope.swept_radius(), self.clipped.polytope.swept_radius()];
@@ -260,7 +265,7 @@ impl Clipping<'_> {
 
 /// The corners of a patch, to be written as points.
 struct PlacedCorners<'a> {
-    clipping: &'a Clipping<'a>,
+    clipping: &'a HullClipping<'a>,
     list: &'a [PointOf<u32>],
     /// A corner of the face that clips.
     base: DVec3,

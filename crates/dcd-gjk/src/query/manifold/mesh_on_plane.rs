@@ -73,7 +73,7 @@ pub(super) fn measure(
             (depth, depth)
         }
     };
-    let resting = Resting::of(mesh, sides, &depth);
+    let resting = RestingMesh::of(mesh, sides, &depth);
     scratch.list(&resting)?;
     let below = &mut scratch.below;
     // Of vertices above each other the deepest is the first.
@@ -95,7 +95,7 @@ pub(super) fn measure(
 }
 
 /// A mesh and the plane below it.
-struct Resting<'a> {
+struct RestingMesh<'a> {
     mesh: &'a Mesh,
     side: PosedShape<'a>,
     /// Into the half-space, of unit length: in the world, and in the mesh's frame.
@@ -108,7 +108,7 @@ struct Resting<'a> {
     size: f64,
 }
 
-impl<'a> Resting<'a> {
+impl<'a> RestingMesh<'a> {
     fn of(mesh: &'a Mesh, [side, _]: [PosedShape<'a>; 2], depth: &Depth) -> Self {
         let towards = depth.normal;
         let local = side.pose.rotation().transpose() * towards;
@@ -147,9 +147,9 @@ impl<'a> Resting<'a> {
 
 impl Scratch {
     /// Lists the vertices below the plane; `None` where lengths leave the range of f32.
-    fn list(&mut self, resting: &Resting<'_>) -> Option<()> {
+    fn list(&mut self, resting: &RestingMesh<'_>) -> Option<()> {
         let Self { below, met, round } = self;
-        let Resting { mesh, local, base, .. } = resting;
+        let RestingMesh { mesh, local, base, .. } = resting;
         below.clear();
         if *round == u32::MAX || met.len() < mesh.vertices().len() {
             met.clear();

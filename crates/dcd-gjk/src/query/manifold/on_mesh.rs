@@ -23,7 +23,7 @@ use dcd_geom::{Kind, Shape, SupportMap};
 pub(super) struct Scratch {
     pairs: Vec<[u32; 2]>,
     triangles: Vec<TouchingTriangle>,
-    members: Vec<Member>,
+    members: Vec<TriangleMember>,
 }
 
 /// What of other memory is needed.
@@ -64,7 +64,7 @@ pub(super) fn write(
         let parts = touching_parts(sides[1], touching)?;
         let bodies = &triangles_of_parts(sides[0], &parts, touching, triangles)?;
         let of = OpenTriangles { accuracy, mesh: sides[0], bodies, triangles, memory };
-        return Patches { of, whole: sides[1], members, corners }.write_all(set);
+        return TrianglePatches { of, whole: sides[1], members, corners }.write_all(set);
     }
     if !is_known {
         triangles.clear();
@@ -74,15 +74,15 @@ pub(super) fn write(
     }
     let bodies = &[Body::whole(sides[1], triangles)?];
     let of = OpenTriangles { accuracy, mesh: sides[0], bodies, triangles, memory };
-    Patches { of, whole: sides[1], members, corners }.write_all(set)
+    TrianglePatches { of, whole: sides[1], members, corners }.write_all(set)
 }
 
 /// The triangles that belong to no manifold yet, and what their manifolds are made with.
-struct Patches<'a> {
+struct TrianglePatches<'a> {
     of: OpenTriangles<'a>,
     /// What the bodies are parts of.
     whole: PosedShape<'a>,
-    members: &'a mut Vec<Member>,
+    members: &'a mut Vec<TriangleMember>,
     corners: &'a mut Corners,
 }
 
@@ -94,7 +94,7 @@ struct Lead<'a> {
     part: Part<'a>,
 }
 
-impl<'a> Patches<'a> {
+impl<'a> TrianglePatches<'a> {
     fn write_all(&mut self, set: &mut ManifoldSet) -> Option<()> {
         let (lead, depth) = self.of.deepest()?;
         self.write(lead, &depth, set.only_mut()?)?;
@@ -140,8 +140,8 @@ impl<'a> Patches<'a> {
             let has_others = open().any(|k| k != lead);
             let below = if has_others { body.below(*mesh, depth.normal) } else { 0.0 };
             self.members.extend(open().filter_map(|number| match number == lead {
-                true => Some(Member { number, is_alike: true, rest: 0.0 }),
-                false => Member::of((number, &triangles[number]), depth, below),
+                true => Some(TriangleMember { number, is_alike: true, rest: 0.0 }),
+                false => TriangleMember::of((number, &triangles[number]), depth, below),
             }));
         }
     }
@@ -149,8 +149,9 @@ impl<'a> Patches<'a> {
     /// Whether the witnesses of the depth are all that a manifold shows: a vertex of the body shares no corner with any
     /// triangle, and no other member has witnesses along the normal.
     fn shows_witness_alone(&self, lead: usize, body: &Body<'_>, part: &Part<'_>) -> bool {
-        let adds_none =
-            |m: &Member| m.number == lead || !m.is_alike && body.triangles.contains(&m.number);
+        let adds_none = |m: &TriangleMember| {
+            m.number == lead || !m.is_alike && body.triangles.contains(&m.number)
+        };
         self.of.accuracy == Accuracy::F32
             && matches!(part, Part::Vertex(_))
             && self.members.iter().all(adds_none)
@@ -245,7 +246,7 @@ impl<'a> Patches<'a> {
             let placed = Placed { rotation: body.side.pose.rotation(), place: delta, sense: -1.0 };
             let facing = Corners::facing(view, part, body.polytope, placed);
             let radii = [mesh.shape.radius(), body.side.shape.radius()];
-            for &Member { number, is_alike, .. } in own {
+            for &TriangleMember { number, is_alike, .. } in own {
                 let triangle = &triangles[number];
                 let before = corners.len();
                 let is_lead = number == lead.number;
@@ -283,7 +284,7 @@ impl<'a> Body<'a> {
 
 /// How a triangle belongs to the manifold of another.
 #[derive(Clone, Copy, Debug)]
-struct Member {
+struct TriangleMember {
     number: usize,
     /// Whether its normal agrees.
     is_alike: bool,
@@ -291,7 +292,7 @@ struct Member {
     rest: f64,
 }
 
-impl Member {
+impl TriangleMember {
     /// `None` of one that does not: neither agrees its normal, nor does the manifold's depth separate it.
     #[inline(always)]
     fn of(

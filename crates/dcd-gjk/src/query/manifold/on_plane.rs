@@ -23,7 +23,7 @@ pub(super) const MOST: usize = 8;
 
 /// A corner of what a shape shows.
 #[derive(Clone, Copy, Default)]
-struct Corner {
+struct ShownCorner {
     index: u32,
     /// In the shape's own frame.
     point: DVec3,
@@ -33,7 +33,7 @@ struct Corner {
     depth: f64,
 }
 
-impl Spot for Corner {
+impl Spot for ShownCorner {
     #[inline]
     fn at(&self) -> DVec2 {
         self.at
@@ -170,7 +170,7 @@ impl Resting<'_> {
         };
         let mut shallowest = depth.depth;
         found.points.extend(kept[..count].iter().map(|&k| {
-            let Corner { index, point, depth: own, .. } = corners[k];
+            let ShownCorner { index, point, depth: own, .. } = corners[k];
             shallowest = shallowest.min(own);
             self.point((index, point, own), depth.depth)
         }));
@@ -241,11 +241,11 @@ impl Resting<'_> {
 
     /// Lists the corners of what it shows that are not above the plane.
     #[inline(always)]
-    fn list(&self, depth: &Depth, found: &mut ArrayVec<Corner, MOST>) {
+    fn list(&self, depth: &Depth, found: &mut ArrayVec<ShownCorner, MOST>) {
         let (x, y) = self.local.any_orthonormal_pair();
         self.below(depth, self.corners(), |index, point, depth| {
             let at = DVec2::new(x.dot(point), y.dot(point));
-            found.push(Corner { index, point, at, depth });
+            found.push(ShownCorner { index, point, at, depth });
         });
     }
 

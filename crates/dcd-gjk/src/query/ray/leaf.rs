@@ -26,7 +26,7 @@ pub(super) struct NotMissed<'a> {
 }
 
 /// Where sixteen corners are seen.
-type Seen<L> = [<L as Lanes>::F; 2];
+type SeenCorners<L> = [<L as Lanes>::F; 2];
 
 impl LeafFilter for NotMissed<'_> {
     /// A triangle is missed wherever its box is, but for rays that begin or end before it.
@@ -71,8 +71,8 @@ fn seen<L: Lanes>(
     l: L,
     corners: &Block,
     [x, y, z]: [usize; 3],
-    (shear, at): (Seen<L>, Seen<L>),
-) -> Seen<L> {
+    (shear, at): (SeenCorners<L>, SeenCorners<L>),
+) -> SeenCorners<L> {
     let rows = &corners.0;
     let along = l.load(&rows[z]);
     let beside = [l.sub(l.load(&rows[x]), at[0]), l.sub(l.load(&rows[y]), at[1])];
@@ -81,7 +81,7 @@ fn seen<L: Lanes>(
 
 /// Twice the area of a triangle with the ray.
 #[inline(always)]
-fn edge<L: Lanes>(l: L, a: Seen<L>, b: Seen<L>) -> L::F {
+fn edge<L: Lanes>(l: L, a: SeenCorners<L>, b: SeenCorners<L>) -> L::F {
     l.sub(l.mul(a[0], b[1]), l.mul(a[1], b[0]))
 }
 

@@ -1,7 +1,7 @@
 //! The corners of what a face has in common with another or an edge: each found by itself, without a branch.
 
 use super::super::clip::SHARP;
-use super::rows::{Outline, Packet, Slots, Vector, abs, dot, load, min, mix, store, sum};
+use super::rows::{HullOutlines, Packet, Slots, Vector, abs, dot, load, min, mix, store, sum};
 use super::{CORNER, SURFACE, VERTEX};
 use dcd_simd::Lanes;
 
@@ -47,7 +47,7 @@ impl<L: Lanes> View<L> {
 
     /// Makes of all that an outline has in its own frame what is seen, from that place on.
     #[inline(always)]
-    fn turn(&self, l: L, outline: &mut Outline, place: Vector<L>) {
+    fn turn(&self, l: L, outline: &mut HullOutlines, place: Vector<L>) {
         let [p, q, r] = &outline.turn;
         let turn = [self.of(l, load(l, p)), self.of(l, load(l, q)), self.of(l, load(l, r))];
         store(l, mix(l, turn, load(l, &outline.normal)), &mut outline.normal);
@@ -61,7 +61,7 @@ impl<L: Lanes> View<L> {
 
 /// The height of a face's plane: x times the first and y times the second and the third.
 #[inline(always)]
-fn plane<L: Lanes>(l: L, outline: &Outline) -> Vector<L> {
+fn plane<L: Lanes>(l: L, outline: &HullOutlines) -> Vector<L> {
     let ([x, y, z], base) = (load(l, &outline.normal), load(l, &outline.corners[0]));
     let down = l.div_d(l.splat_d(-1.0), z);
     let slope = [l.mul_d(x, down), l.mul_d(y, down)];
@@ -91,7 +91,7 @@ fn after(k: usize, most: usize) -> usize {
     if k + 1 < most { k + 1 } else { 0 }
 }
 
-impl Outline {
+impl HullOutlines {
     /// Finds the lines of its sides, inside to the left of them for a sense of 1, and to the right for −1; which of the
     /// pairs have a sharp corner, a bit each.
     #[inline(always)]

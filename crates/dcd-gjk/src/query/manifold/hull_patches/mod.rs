@@ -162,7 +162,7 @@ impl<'a> Shown<'a> {
             return self.write_witnesses(writer);
         }
         let count = (kept.count[lane] as usize).clamp(1, 4);
-        let placed = PlacedCorners::of(self, lane, packet);
+        let placed = KeptCorners::of(self, lane, packet);
         let mut shallowest = depth.depth;
         for depths in &kept.depths[..count] {
             shallowest = shallowest.min(depths[lane]);
@@ -226,7 +226,7 @@ fn facing(part: &Part<'_>, towards: DVec3) -> f64 {
 }
 
 /// The corners of a patch that are kept, to be written as points.
-struct PlacedCorners<'a> {
+struct KeptCorners<'a> {
     packet: &'a Packet,
     lane: usize,
     /// On the surface over the origin of the shape that clips.
@@ -240,7 +240,7 @@ struct PlacedCorners<'a> {
     corners: [&'a [u32]; 2],
 }
 
-impl<'a> PlacedCorners<'a> {
+impl<'a> KeptCorners<'a> {
     #[inline(always)]
     fn of(shown: &'a Shown<'_>, lane: usize, packet: &'a Packet) -> Self {
         let number = shown.clips;

@@ -22,7 +22,7 @@ pub(super) type Vector<L> = [<L as Lanes>::D; 3];
 
 /// What one side of each pair shows: a face or an edge.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Outline {
+pub(super) struct HullOutlines {
     /// The columns of its rotation.
     pub(super) turn: [[Eight; 3]; 3],
     /// The face's normal in its own frame, then as it is seen; of an edge nothing that counts.
@@ -84,8 +84,8 @@ pub(in super::super) struct Packet {
     /// How large both are, and both swept radii.
     pub(super) size: Eight,
     pub(super) radius: Eight,
-    pub(super) clips: Outline,
-    pub(super) clipped: Outline,
+    pub(super) clips: HullOutlines,
+    pub(super) clipped: HullOutlines,
     /// Of what goes on along an edge or a side: values of lines at its start.
     pub(super) values: [Eight; CORNERS],
     pub(super) slots: Slots,
@@ -94,7 +94,7 @@ pub(in super::super) struct Packet {
     pub(super) sharp: u32,
 }
 
-impl Outline {
+impl HullOutlines {
     /// Writes the one of that lane: its rotation, its face's normal, its corners.
     #[inline(always)]
     pub(super) fn write(
