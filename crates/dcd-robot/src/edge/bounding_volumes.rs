@@ -1,7 +1,7 @@
 //! What of a shape proves it far from others without the solvers: spheres that cover it, a solid round it, and how
 //! far it reaches along a direction.
 
-use super::rows::{CoverRow, Farthest, LANES, ROW};
+use super::rows::{CoverRow, Farthest, POINTS_AT_ONCE, ROW};
 use crate::state_checker::MESH_POINTS;
 use crate::state_checker::covers::{CoverSphere, Covers};
 use dcd_geom::{Aabb, ConvexHull, CurvedKind, Kind, Polytope, Pose, Shape};
@@ -157,8 +157,8 @@ pub(super) struct Support {
 
 #[derive(Clone, Debug)]
 enum Core {
-    /// Coordinates of the vertices, [`LANES`] of x, then of y, then of z; the last ones repeat.
-    Vertices(Vec<[[f64; LANES]; 3]>),
+    /// Coordinates of the vertices, [`POINTS_AT_ONCE`] of x, then of y, then of z; the last ones repeat.
+    Vertices(Vec<[[f64; POINTS_AT_ONCE]; 3]>),
     Point(DVec3),
     /// Discs normal to z at a height, with a radius.
     Discs([(f64, f64); 2]),
@@ -201,7 +201,7 @@ impl Support {
             let at = |k: usize| chunk.get(k).copied().unwrap_or(last);
             [0, 1, 2].map(|axis| std::array::from_fn(|k| at(k)[axis]))
         };
-        let core = Core::Vertices(points.chunks(LANES).map(group).collect());
+        let core = Core::Vertices(points.chunks(POINTS_AT_ONCE).map(group).collect());
         let size = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
         Some(Self { core, swept, size })
     }

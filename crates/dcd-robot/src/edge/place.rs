@@ -30,7 +30,7 @@ impl Twist {
 
 /// The robot at one t.
 #[derive(Default)]
-pub(super) struct Place {
+pub(super) struct PlaceOnPath {
     pub(super) t: f64,
     state: Vec<f64>,
     rates: Vec<f64>,
@@ -42,7 +42,7 @@ pub(super) struct Place {
     axes: Vec<DVec3>,
 }
 
-impl Place {
+impl PlaceOnPath {
     pub(super) fn go_to(
         &mut self,
         checker: &EdgeChecker,
@@ -138,7 +138,7 @@ pub(super) struct Near<'a> {
 }
 
 impl Local {
-    pub(super) fn set(&mut self, checker: &EdgeChecker, place: &Place, near: &Near<'_>) {
+    pub(super) fn set(&mut self, checker: &EdgeChecker, place: &PlaceOnPath, near: &Near<'_>) {
         let Near { joints, lengths, half, .. } = *near;
         let robot = checker.robot();
         let count = joints.len();

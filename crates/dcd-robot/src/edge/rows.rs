@@ -9,7 +9,7 @@ use dcd_geom::Pose;
 use dcd_simd::{Kernel, Lanes, dispatch, larger, smaller};
 use glam::{DMat3, DVec3};
 
-/// How many spheres there are at most.
+/// How many spheres a row holds at most.
 pub(super) const ROW: usize = 16;
 
 type Row = [f64; ROW];
@@ -89,7 +89,7 @@ impl CoverRow {
     /// The spheres where the shape is.
     pub(super) fn place(&self, pose: &Pose, motion: &RowMotion) -> PlacedRow {
         let mut placed = PlacedRow::default();
-        dispatch(Place { row: self, pose, motion, placed: &mut placed });
+        dispatch(PlaceRow { row: self, pose, motion, placed: &mut placed });
         placed
     }
 
@@ -120,14 +120,14 @@ impl PlacedRow {
     }
 }
 
-struct Place<'a> {
+struct PlaceRow<'a> {
     row: &'a CoverRow,
     pose: &'a Pose,
     motion: &'a RowMotion,
     placed: &'a mut PlacedRow,
 }
 
-impl Kernel for Place<'_> {
+impl Kernel for PlaceRow<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -242,12 +242,12 @@ impl Kernel for AgainstRow<'_> {
 }
 
 /// How many points [`Farthest`] takes at once.
-pub(super) const LANES: usize = 16;
+pub(super) const POINTS_AT_ONCE: usize = 16;
 
 /// The largest d·p of points p, for two directions d.
 pub(super) struct Farthest<'a> {
-    /// Coordinates, [`LANES`] of x, then of y, then of z.
-    pub(super) points: &'a [[[f64; LANES]; 3]],
+    /// Coordinates, [`POINTS_AT_ONCE`] of x, then of y, then of z.
+    pub(super) points: &'a [[[f64; POINTS_AT_ONCE]; 3]],
     pub(super) directions: [DVec3; 2],
 }
 
@@ -257,10 +257,11 @@ impl Kernel for Farthest<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> [f64; 2] {
         let [d, e] = self.directions;
-        let (mut most_d, mut most_e) = ([f64::NEG_INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+        let (mut most_d, mut most_e) =
+            ([f64::NEG_INFINITY; POINTS_AT_ONCE], [f64::NEG_INFINITY; POINTS_AT_ONCE]);
         for [x, y, z] in self.points {
             // One loop for both: shorter ones are unrolled before they can be vectorised.
-            for k in 0..LANES {
+            for k in 0..POINTS_AT_ONCE {
                 let (x, y, z) = (x[k], y[k], z[k]);
                 let (at_d, at_e) = (x * d.x + y * d.y + z * d.z, x * e.x + y * e.y + z * e.z);
                 most_d[k] = larger(most_d[k], at_d);
@@ -268,7 +269,7 @@ impl Kernel for Farthest<'_> {
             }
         }
         let (mut far_d, mut far_e) = (most_d[0], most_e[0]);
-        for k in 1..LANES {
+        for k in 1..POINTS_AT_ONCE {
             far_d = larger(far_d, most_d[k]);
             far_e = larger(far_e, most_e[k]);
         }

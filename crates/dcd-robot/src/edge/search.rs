@@ -9,7 +9,7 @@ mod tests;
 
 use super::groups::{Group, Groups};
 use super::path::JointPath;
-use super::place::{Local, Place, Twist};
+use super::place::{Local, PlaceOnPath, Twist};
 use super::reach::Lengths;
 use super::rows::PlacedRow;
 use super::{Before, Edge, EdgeAnswer, EdgeChecker, EdgeReason, ROUNDED_UP};
@@ -58,7 +58,7 @@ pub(super) struct EdgeSearch<'a> {
     hit: Option<(f64, [u32; 2])>,
     /// The first interval that is left, with a pair of it.
     left: Option<([f64; 2], [u32; 2], EdgeReason)>,
-    at: Place,
+    at: PlaceOnPath,
     /// Of the node: half its length, and [`EdgeSearch::shortest_of`].
     half: f64,
     shortest: f64,
@@ -165,7 +165,7 @@ impl<'a> EdgeSearch<'a> {
             nodes: 0,
             hit: None,
             left: None,
-            at: Place::default(),
+            at: PlaceOnPath::default(),
             half: 0.0,
             shortest: SHORTEST,
             open: Vec::new(),

@@ -68,7 +68,7 @@ impl LinkFrames {
         self.sums[lane / HALF][lane % HALF].is_finite()
     }
 
-    /// Moves the links of one state alone, in its lane: the numbers of [`Place`], without the cost of other lanes.
+    /// Moves the links of one state alone, in its lane: the numbers of [`PlaceFrames`], without the cost of other lanes.
     /// The state has been checked.
     pub(super) fn place_alone(&mut self, robot: &Robot, state: &[f64], lane: usize) {
         self.frames.resize(robot.links.len(), [[[0.0; HALF]; 2]; 12]);
@@ -98,14 +98,14 @@ impl LinkFrames {
 
 /// Moves the links: joint by joint, so that a parent's frame is there before its child's. Lanes past the last state
 /// mean nothing.
-pub(crate) struct Place<'a> {
+pub(crate) struct PlaceFrames<'a> {
     pub(crate) robot: &'a Robot,
     /// At most sixteen, those that were read.
     pub(crate) states: &'a [&'a [f64]],
     pub(crate) to: &'a mut LinkFrames,
 }
 
-impl Kernel for Place<'_> {
+impl Kernel for PlaceFrames<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 
 use super::alone::LinkRow;
 use super::chain::Drives;
-use super::link_frames::{LinkFrames, Place};
+use super::link_frames::{LinkFrames, PlaceFrames};
 use super::links::LinkSpheres;
 use super::prepared::Prepared;
 use super::rounded_links::{Placed, Rounded, bits};
@@ -68,7 +68,7 @@ impl Places {
         let (robot, wanted) = (prepared.robot(), lanes & !self.known);
         if wanted.count_ones() > FEW {
             self.frames.read(robot, states);
-            dispatch_on(Path::best(), Place { robot, states, to: &mut self.frames });
+            dispatch_on(Path::best(), PlaceFrames { robot, states, to: &mut self.frames });
             self.known = (1 << WIDTH) - 1;
             return;
         }

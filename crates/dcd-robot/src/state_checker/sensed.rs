@@ -154,7 +154,8 @@ impl Worker {
             let open = (1 << states.len()) - 1;
             let placed = self.places[packet].placed(prepared);
             let rounded = &mut self.rounded;
-            let near = dispatch_on(Path::best(), Sift { prepared, placed, rounded, query, open });
+            let near =
+                dispatch_on(Path::best(), SiftSensed { prepared, placed, rounded, query, open });
             let open = near.iter().filter(|near| !near.is_touching);
             let lanes = open.fold(0, |lanes, near| lanes | 1 << near.lane);
             self.places[packet].place_exactly(prepared, states, lanes);
@@ -221,7 +222,7 @@ impl Worker {
 }
 
 /// Lists what spheres and planes leave of sixteen states, by lanes, bodies and places.
-struct Sift<'a> {
+struct SiftSensed<'a> {
     prepared: &'a Prepared,
     placed: Placed<'a>,
     rounded: &'a mut Rounded,
@@ -229,7 +230,7 @@ struct Sift<'a> {
     open: u32,
 }
 
-impl Kernel for Sift<'_> {
+impl Kernel for SiftSensed<'_> {
     type Output = Vec<Near>;
 
     #[inline(always)]

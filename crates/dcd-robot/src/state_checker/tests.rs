@@ -5,7 +5,7 @@ mod boundary;
 mod huge;
 mod random;
 
-use super::link_frames::{LinkFrames, Place};
+use super::link_frames::{LinkFrames, PlaceFrames};
 use super::one_link::{LinkPlace, LinkPlaces};
 use super::places::{PlaceLinks, Places};
 use super::rounded_links::Rounded;
@@ -53,7 +53,7 @@ fn frames_are_those_of_one_state_at_a_time_bit_for_bit() {
             let mut frames = LinkFrames::default();
             let states: Vec<&[f64]> = states.iter().map(Vec::as_slice).collect();
             frames.read(&robot, &states);
-            dispatch_on(path, Place { robot: &robot, states: &states, to: &mut frames });
+            dispatch_on(path, PlaceFrames { robot: &robot, states: &states, to: &mut frames });
             for (lane, state) in states.iter().enumerate() {
                 let alone = robot.link_frames(state).unwrap();
                 for (link, frame) in alone.iter().enumerate() {

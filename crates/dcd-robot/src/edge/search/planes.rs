@@ -51,7 +51,7 @@ struct Heights {
 type Hulls = HashMap<(u32, Range<u32>), Option<Arc<Shape>>>;
 
 /// Planes for all of a path.
-struct Planes<'s, 'a> {
+struct PathPlanes<'s, 'a> {
     search: EdgeSearch<'a>,
     pieces: &'s [Pieces],
     /// How far a body is from its plane at least, metres.
@@ -70,9 +70,9 @@ impl<'a> EdgeSearch<'a> {
     ) -> Result<Vec<CertifiedPair>, RobotError> {
         let pairs = self.checker.pairs.len();
         let found = vec![Vec::new(); pairs];
-        let mut planes = Planes { search: self, pieces, needed, hulls: Hulls::new(), found };
+        let mut planes = PathPlanes { search: self, pieces, needed, hulls: Hulls::new(), found };
         planes.run()?;
-        let Planes { search, found, .. } = planes;
+        let PathPlanes { search, found, .. } = planes;
         let links = search.checker.robot().links();
         let certified =
             search.checker.pairs.iter().zip(found).map(|(pair, planes)| CertifiedPair {
@@ -84,7 +84,7 @@ impl<'a> EdgeSearch<'a> {
     }
 }
 
-impl Planes<'_, '_> {
+impl PathPlanes<'_, '_> {
     fn run(&mut self) -> Result<(), RobotError> {
         let all = |pair: u32| {
             let objects = self.search.checker.pairs[pair as usize].objects;

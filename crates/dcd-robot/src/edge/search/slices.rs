@@ -9,7 +9,7 @@ mod tests;
 use super::super::bounding_volumes::BoundingVolumes;
 use super::super::{EdgePair, ROUNDED_UP};
 use super::{EdgeSearch, Node};
-use crate::state_checker::link_frames::{HALF, LinkFrames, Numbers, Place};
+use crate::state_checker::link_frames::{HALF, LinkFrames, Numbers, PlaceFrames};
 use dcd_geom::Pose;
 use dcd_simd::{WIDTH, dispatch};
 use kernels::{BetweenSpheres, Moved, PlaceSphere, ToSolid, Twists};
@@ -135,7 +135,7 @@ impl EdgeSearch<'_> {
         let states: Vec<&[f64]> = states.iter().map(Vec::as_slice).collect();
         let mut frames = LinkFrames::default();
         frames.read(robot, &states);
-        dispatch(Place { robot, states: &states, to: &mut frames });
+        dispatch(PlaceFrames { robot, states: &states, to: &mut frames });
         let still = TwistRow { turn: [NONE; 3], at_base: [NONE; 3] };
         let mut twists = vec![still; robot.links().len()];
         let to = &mut twists[..];
