@@ -94,7 +94,7 @@ impl PairSearch {
     ///
     /// # Errors
     /// A joint whose least value is above its largest; a state within the limits for which a part is out
-    /// of range; more pairs of links with shapes than [`ALLOWED_PAIRS`](super::bounds::ALLOWED_PAIRS).
+    /// of range; more pairs of links with shapes than [`ALLOWED_PAIRS`].
     pub fn run(&self, robot: &Robot) -> Result<Vec<LinkPair>, RobotError> {
         let ranges = Ranges::of(robot)?;
         let (_, parents) = robot.bodies_and_parents();

@@ -94,7 +94,7 @@ impl GridHits {
     }
 
     /// Notes those of the looked-up spheres whose cell lists anything. `list` takes the count of earlier entries
-    /// and the cell; it returns where among the members its list lies, of at most [`LONGEST`], and which
+    /// and the cell; it returns where among the members its list lies, of at most [`LONGEST`](super::LONGEST), and which
     /// obstacle is the likeliest.
     #[inline]
     pub(super) fn note(

@@ -8,7 +8,7 @@ use crate::epa::Depth;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Pose, Shape, SupportMap};
 
-/// What a reach along a direction loses. Unit: u·m. Twelve and a half as [`gap_along`](crate::gap_along)'s and 8u of
+/// What a reach along a direction loses. Unit: u·m. Twelve and a half as [`gap_along`](crate::scalar::distance::gap_along)'s and 8u of
 /// at most 2m for the length, and a margin. Larger: pairs that are measured for nothing. Smaller: bounds that do not hold.
 const REACH: f64 = 40.0;
 

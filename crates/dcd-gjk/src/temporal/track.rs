@@ -38,7 +38,7 @@ const DEPARTURE: f64 = 2.25;
 const ROUNDED: f64 = 1.0 + 256.0 * f64::EPSILON;
 
 /// How far the centre's difference may be off. Unit: 2⁻⁵³ of |t|₁ + |t'|₁ and both reaches; as
-/// [`crate::simd::bounds::CENTRE`], in each of three coordinates.
+/// `CENTRE` (simd/bounds.rs), in each of three coordinates.
 const CENTRES: f64 = 16.0 * f64::EPSILON;
 
 impl Default for Track {

@@ -13,7 +13,7 @@ use std::ops::Range;
 #[derive(Default)]
 pub(super) struct FirstHitSearch {
     /// For each configuration and link how far it is from a contact of inner spheres: see
-    /// [`InscribedSphere::short_of`].
+    /// [`short_of`](dcd_geom::InscribedSphere::short_of).
     distances: Vec<f32>,
     /// For each configuration the links that are near an obstacle and not yet tested, unordered, in slices of
     /// one entry per link; and how many there are.

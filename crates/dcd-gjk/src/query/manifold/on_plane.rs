@@ -70,7 +70,7 @@ pub(super) fn write(depth: &Depth, sides: [PosedShape<'_>; 2], found: &mut Manif
 }
 
 /// Adds the corners that a shape has in a half-space, seen along the view's normal, which is that of the depth: what each shows
-/// as a whole. `None`, and no corner, as [`write`] has it.
+/// as a whole. `None`, and no corner, as [`write`](fn@write) has it.
 pub(super) fn add(
     view: &View,
     depth: &Depth,

@@ -35,7 +35,7 @@ pub(super) struct HullOutlines {
     /// How many each has, and the most of them.
     pub(super) count: Eight,
     pub(super) most: usize,
-    /// Of the side from each corner to the next three numbers: see [`super::clip::Line`].
+    /// Of the side from each corner to the next three numbers: a, b and c of a·x + b·y + c, which is none below 0 inside.
     pub(super) lines: [[Eight; 3]; CORNERS],
     /// How far the clipped one's corners are under the face that clips; and those of that face over the other one.
     pub(super) depths: [Eight; CORNERS],

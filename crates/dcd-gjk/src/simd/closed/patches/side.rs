@@ -64,7 +64,7 @@ impl<L: Lanes> Side<L> {
         l.select(self.is_face, self.along, l.splat(0.0))
     }
 
-    /// What it shows, as a number: see [`Shown::decode`].
+    /// What it shows, as a number: see `Shown::decode` (found.rs).
     #[inline(always)]
     pub(super) fn code(&self, l: L) -> L::F {
         let kind = l.select(self.is_edge, l.splat(1.0), l.splat(2.0));
