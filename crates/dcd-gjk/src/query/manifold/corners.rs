@@ -1,14 +1,17 @@
 //! The corners of what two shapes, or many parts of them, have in common along one normal.
 
 use super::clip::{Corner, Patch, drop_doubles};
+use super::cuboids::CuboidPolygon;
 use super::facing::{Part, name};
 use super::feature::{Placed, Seen, View, surely_cross};
+use super::hull_pair::HullPolygon;
+use super::outline::Outline;
 use super::reduce::Spot;
-use super::triangle_clip::{self, Outline};
+use super::triangle_clip::{self, TrianglePolygon};
 use super::{
     Feature, Manifold, ManifoldPoint, SAME, bound_of, bound_of_witnesses, reduce, write_one_point,
 };
-use super::{cuboid_polygon, cuboids, hull_pair, on_plane};
+use super::{cuboids, on_plane};
 use crate::PosedShape;
 use crate::closed::is_sphere;
 use crate::epa::Depth;
@@ -20,9 +23,9 @@ use dcd_geom::{Kind, Polytope, Shape, SupportMap};
 pub(super) struct Corners {
     corners: Vec<Corner>,
     patch: Patch,
-    pub(super) of_cuboids: cuboid_polygon::Points,
-    pub(super) of_hulls: hull_pair::Points,
-    of_triangles: triangle_clip::Points,
+    pub(super) of_cuboids: CuboidPolygon,
+    pub(super) of_hulls: HullPolygon,
+    of_triangles: TrianglePolygon,
     /// How large the shapes are.
     size: f64,
     /// How large the parts are, whether they have features to be seen or none.
@@ -236,7 +239,7 @@ impl Corners {
     ) -> Facing<'a> {
         // Written where it is kept.
         Facing {
-            outline: Outline::of_body(view, &part, polytope, &placed),
+            outline: Outline::of(view, &part, polytope, &placed),
             whole: part.name(),
             has_corners: !matches!(part, Part::Vertex(_)),
             is_round: polytope.kind() == Kind::Point,

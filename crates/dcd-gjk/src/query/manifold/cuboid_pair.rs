@@ -1,10 +1,10 @@
 //! The manifold of two boxes: what [`super::cuboids`] clips, in the plane of the face that clips, and nothing besides.
 
 use super::clip::different;
-use super::cuboid_polygon::{MOST, Points, features};
-use super::cuboids::{self, Clipped, CuboidClipping};
+use super::cuboids::{self, Clipped, CuboidClipping, CuboidPolygon, MOST};
 use super::feature_code::FeatureCode;
 use super::patch_writer::{PatchWriter, Point};
+use super::polygon::features;
 use super::reduce::{self, Spot};
 use super::{Feature, SAME, bound_of, bound_of_witnesses, upright};
 use crate::PosedShape;
@@ -36,7 +36,7 @@ impl Spot for Place {
 pub(super) fn write(
     depth: &Depth,
     sides: [PosedShape<'_>; 2],
-    points: &mut Points,
+    points: &mut CuboidPolygon,
     writer: &mut impl PatchWriter,
 ) -> bool {
     // Of two faces that are as square to the normal the first clips.
@@ -47,7 +47,7 @@ pub(super) fn write(
 pub(super) fn write_clipped(
     depth: &Depth,
     [a, b]: [PosedShape<'_>; 2],
-    points: &mut Points,
+    points: &mut CuboidPolygon,
     writer: &mut impl PatchWriter,
 ) -> bool {
     let Some(clipped) = cuboids::clipped(points, depth.normal, [a, b]) else { return false };
@@ -77,7 +77,7 @@ impl ClippedPair<'_> {
     fn write(
         &self,
         depth: &Depth,
-        points: &Points,
+        points: &CuboidPolygon,
         (origin, error_bound): (DVec3, f64),
         writer: &mut impl PatchWriter,
     ) -> bool {
@@ -107,7 +107,7 @@ impl ClippedPair<'_> {
 
     /// A corner as a point.
     #[inline(always)]
-    fn point(&self, place: &Place, points: &Points, depth: &Depth, origin: DVec3) -> Point {
+    fn point(&self, place: &Place, points: &CuboidPolygon, depth: &Depth, origin: DVec3) -> Point {
         let Clipped { patch, radii, .. } = self.clipped;
         let normal = depth.normal;
         let corner = &points.list()[place.number];
@@ -128,7 +128,7 @@ impl ClippedPair<'_> {
 
     /// The corners as they are seen along the normal, with the radii in their depths: how many.
     #[inline(always)]
-    fn places(&self, points: &Points, radius: f64, places: &mut [Place; MOST]) -> usize {
+    fn places(&self, points: &CuboidPolygon, radius: f64, places: &mut [Place; MOST]) -> usize {
         // Axes square to the normal: the first side's part, and what is square to both, counter-clockwise along a's normal.
         let [along_p, along_q, square] = self.clipping.normal();
         let length = (1.0 - along_p * along_p).sqrt();
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn two_boxes_have_the_manifold_that_the_corners_of_any_shapes_give() {
         let mut draw = Draw(7);
-        let (mut points, mut corners) = (Points::default(), Corners::default());
+        let (mut points, mut corners) = (CuboidPolygon::default(), Corners::default());
         let mut counts = [0; 5];
         let (mut same, mut others) = (0, 0);
         for k in 0..20_000 {

@@ -6,9 +6,9 @@ use super::CROSSING;
 use super::Feature;
 use super::clip::Corner;
 use super::cuboid_faces::face_number;
-use super::cuboid_polygon::{Line, Point, Points, features};
 use super::facing::{FACING, LEVEL, edge};
 use super::feature::View;
+use super::polygon::{Polygon, PolygonCorner, PolygonLine, features};
 use crate::PosedShape;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Polytope, Shape};
@@ -19,6 +19,12 @@ const DEVIATION: f64 = 1e-12;
 
 /// The least half edge for a box to have six faces, relative to the largest.
 const SOLID: f64 = 1e-6;
+
+/// The most corners that a patch may have: four, and one more for each of five cuts; and spare ones for what rounding adds.
+pub(super) const MOST: usize = 12;
+
+/// The patch of two boxes.
+pub(super) type CuboidPolygon = Polygon<MOST>;
 
 /// What two boxes show each other.
 pub(super) struct Patch {
@@ -105,7 +111,7 @@ pub(super) struct Clipped<'a> {
 /// boxes, and edges that are nearly parallel.
 #[inline(always)]
 pub(super) fn clipped<'a>(
-    points: &mut Points,
+    points: &mut CuboidPolygon,
     normal: DVec3,
     [a, b]: [PosedShape<'a>; 2],
 ) -> Option<Clipped<'a>> {
@@ -145,7 +151,7 @@ pub(super) fn clipped<'a>(
 /// way is needed.
 pub(super) fn add(
     corners: &mut Vec<Corner>,
-    points: &mut Points,
+    points: &mut CuboidPolygon,
     view: &View,
     sides: [PosedShape<'_>; 2],
 ) -> Option<Patch> {
@@ -282,7 +288,7 @@ impl<'a> CuboidClipping<'a> {
     }
 
     /// What is clipped: the corners of a face, or the ends of an edge.
-    fn points(&self, seen: CuboidFeature, points: &mut Points) {
+    fn points(&self, seen: CuboidFeature, points: &mut CuboidPolygon) {
         let farthest = farthest(self.clipped.towards);
         points.clear();
         let base = self.seen_from_face(self.middle_of(seen, farthest), self.plane);
@@ -291,8 +297,8 @@ impl<'a> CuboidClipping<'a> {
             self.seen_from_face(along(self.clips.rotation, axis), 0.0)
         };
         let mut push = |[x, y, depth]: [f64; 3], number: u32, next: u32| {
-            let line = Line::Clipped(number as u8, next as u8);
-            points.push(Point { at: [x, y], depth, line, origin: [line; 2] });
+            let line = PolygonLine::Clipped(number as u8, next as u8);
+            points.push(PolygonCorner { at: [x, y], depth, line, origin: [line; 2] });
         };
         let sum = |x: [f64; 3], y: [f64; 3]| [x[0] + y[0], x[1] + y[1], x[2] + y[2]];
         let difference = |x: [f64; 3], y: [f64; 3]| [x[0] - y[0], x[1] - y[1], x[2] - y[2]];
@@ -343,17 +349,17 @@ impl<'a> CuboidClipping<'a> {
     }
 
     /// Cuts off what is beside the face, and what is less deep than the radii allow.
-    fn clip(&self, points: &mut Points, radius: f64) -> Option<()> {
+    fn clip(&self, points: &mut CuboidPolygon, radius: f64) -> Option<()> {
         let [p, q] = self.sides;
         let facing = u8::from(self.clips.towards[self.k] >= 0.0) << self.k;
         let (bit_p, bit_q) = (1u8 << p, 1u8 << q);
         let ends = [(bit_p, bit_q), (bit_q, bit_p)];
         for (side, (own, other)) in ends.into_iter().enumerate() {
             let half = self.clips.half[self.sides[side]];
-            let line = |base: u8| Line::Clips(base, base | other);
+            let line = |base: u8| PolygonLine::Clips(base, base | other);
             points.cut(|point| half - point.at[side], line(facing | own))?;
             points.cut(|point| half + point.at[side], line(facing))?;
         }
-        points.cut(|point| point.depth + radius, Line::Surface)
+        points.cut(|point| point.depth + radius, PolygonLine::Surface)
     }
 }

@@ -1,10 +1,12 @@
 //! The general clip is the other method: it shares the view and the parts that are shown, and none of the clipping.
 
+use super::super::Feature;
 use super::super::clip::{Patch, drop_doubles};
 use super::super::cuboid_faces::tests::Draw;
+use super::super::feature::Placed;
 use super::*;
-use dcd_geom::SupportMap;
 use dcd_geom::glam::{DMat3, DQuat};
+use dcd_geom::{Polytope, SupportMap};
 
 /// Far above what rounding does to lengths of about a metre, far below what a wrong corner is off by.
 const SAME_PLACE: f64 = 1e-9;
@@ -100,8 +102,8 @@ impl Round {
         let part = Part::of_triangle(self.triangle, self.view.normal())?;
         let placed = self.placed();
         let shown = self.view.part(&self.body, &placed);
-        let outline = Outline::of_body(&self.view, &shown, &self.body, &placed)?;
-        let (mut points, mut corners) = (Points::default(), Vec::new());
+        let outline = Outline::of(&self.view, &shown, &self.body, &placed)?;
+        let (mut points, mut corners) = (TrianglePolygon::default(), Vec::new());
         let (how, of_triangle) = ((&self.view, radii, most), (&part, &self.triangle));
         add(how, of_triangle, &outline, &mut points, &mut corners)?;
         drop_doubles(&mut corners, size);
@@ -174,11 +176,11 @@ fn faces_of_many_corners_and_parallel_edges_take_the_general_way() {
     let above = Placed { rotation: &DMat3::IDENTITY, place: DVec3::NEG_Z * 0.45, sense: -1.0 };
     let part = view.part(&prism, &above);
     assert!(matches!(part, Part::Face { corners, .. } if corners.len() == 12));
-    assert!(Outline::of_body(&view, &part, &prism, &above).is_none());
+    assert!(Outline::of(&view, &part, &prism, &above).is_none());
 
     let segment = Polytope::hull(vec![DVec3::X, DVec3::NEG_X]).unwrap();
     let part = view.part(&segment, &above);
-    let outline = Outline::of_body(&view, &part, &segment, &above).unwrap();
+    let outline = Outline::of(&view, &part, &segment, &above).unwrap();
     let seen = |end: DVec3| {
         // An upright triangle on its longest edge.
         let triangle = [DVec3::NEG_X * 2.0, end, DVec3::Z];
@@ -186,7 +188,7 @@ fn faces_of_many_corners_and_parallel_edges_take_the_general_way() {
         assert!(matches!(part, Part::Edge([0, 1])));
         let mut corners = Vec::new();
         let how = (&view, [0.0; 2], f64::INFINITY);
-        let points = &mut Points::default();
+        let points = &mut TrianglePolygon::default();
         add(how, (&part, &triangle), &outline, points, &mut corners).map(|()| corners.len())
     };
     assert_eq!(seen(DVec3::X * 2.0), None);

@@ -1,7 +1,7 @@
 //! Boxes along the axes beside what clipping one face with the other finds.
 
 use super::super::cuboid_pair;
-use super::super::cuboid_polygon::Points;
+use super::super::cuboids::CuboidPolygon;
 use super::super::{Manifold, ManifoldPoint};
 use super::*;
 use crate::motion::tests::Draw;
@@ -39,7 +39,7 @@ fn both(sides: [PosedShape<'_>; 2]) -> Option<[Manifold; 2]> {
     let clips = usize::from(order::is_swapped(a, b));
     assert!(write(&depth, sides, clips, &mut upright), "{depth:?}");
     let (depth, sides) = if clips == 0 { (depth, [a, b]) } else { (depth.mirrored(), [b, a]) };
-    assert!(cuboid_pair::write_clipped(&depth, sides, &mut Points::default(), &mut clipped));
+    assert!(cuboid_pair::write_clipped(&depth, sides, &mut CuboidPolygon::default(), &mut clipped));
     if clips == 1 {
         clipped.mirror();
     }

@@ -1,50 +1,38 @@
-//! The polygon in which two boxes or hulls touch, while one of them cuts it: its corners, and what each is a corner of.
+//! The polygon in which two faces touch, while one of them cuts it: its corners, and what each is a corner of.
 
 use super::Feature;
 use super::facing::edge;
 
-/// The most corners that a patch may have: four, and one more for each of five cuts; and spare ones for what rounding adds.
-pub(super) const MOST: usize = 12;
-
-/// What the edge of a patch is a part of; vertices are numbered by an `I`.
+/// What the edge of a polygon is a part of; vertices are numbered as their face or box has them.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum LineOf<I> {
+pub(super) enum PolygonLine {
     /// The edge of the clipped shape between two of its vertices.
-    Clipped(I, I),
+    Clipped(u8, u8),
     /// That of the shape that clips.
-    Clips(I, I),
+    Clips(u8, u8),
     /// Where the depth is 0.
     Surface,
 }
 
-/// That of a box.
-pub(super) type Line = LineOf<u8>;
-
-/// A corner of the patch. Small: it is moved by every cut.
+/// A corner of the polygon. Small: it is moved by every cut.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PointOf<I> {
-    /// Of boxes, on the face that clips, along its two sides; of hulls, in the plane square to the normal.
+pub(super) struct PolygonCorner {
+    /// Of boxes, on the face that clips, along its two sides; of others, in the plane square to the normal.
     pub(super) at: [f64; 2],
     /// How far the clipped shape reaches under the face, along the normal.
     pub(super) depth: f64,
     /// What the edge to the next corner is a part of.
-    pub(super) line: LineOf<I>,
-    /// The edge of the patch on which it is, and what cuts that edge; the edge itself at a corner of the clipped shape,
+    pub(super) line: PolygonLine,
+    /// The edge of the polygon on which it is, and what cuts that edge; the edge itself at a corner of the clipped shape,
     /// where it begins.
-    pub(super) origin: [LineOf<I>; 2],
+    pub(super) origin: [PolygonLine; 2],
 }
 
-/// That of two boxes.
-pub(super) type Point = PointOf<u8>;
-
 /// What a corner of that origin belongs to: of the shape that clips, and of the other, of which `whole` is seen.
-pub(super) fn features<I: Copy + PartialEq + Into<u32>>(
-    [of_edge, by]: [LineOf<I>; 2],
-    whole: [Feature; 2],
-) -> [Feature; 2] {
-    use LineOf as Line;
+pub(super) fn features([of_edge, by]: [PolygonLine; 2], whole: [Feature; 2]) -> [Feature; 2] {
+    use PolygonLine as Line;
     let [of_clips, of_clipped] = whole;
-    let edge = |j: I, k: I| edge(j.into(), k.into());
+    let edge = |j: u8, k: u8| edge(j.into(), k.into());
     match (of_edge, by) {
         (_, Line::Clipped(number, _)) => [of_clips, Feature::Vertex(number.into())],
         (Line::Clipped(j, k), Line::Clips(l, m)) => [edge(l, m), edge(j, k)],
@@ -60,28 +48,25 @@ pub(super) fn features<I: Copy + PartialEq + Into<u32>>(
     }
 }
 
-/// The corners of a patch, in order round it, and memory for them after the next cut.
+/// The corners, in order round it, and memory for as many after the next cut.
 #[derive(Debug)]
-pub(super) struct Polygon<I, const MOST: usize> {
-    rounds: [[PointOf<I>; MOST]; 2],
+pub(super) struct Polygon<const MOST: usize> {
+    rounds: [[PolygonCorner; MOST]; 2],
     /// Which of the two holds them.
     now: usize,
     count: usize,
 }
 
-/// Those of two boxes.
-pub(super) type Points = Polygon<u8, MOST>;
-
-impl<I: Copy + Default, const MOST: usize> Default for Polygon<I, MOST> {
+impl<const MOST: usize> Default for Polygon<MOST> {
     fn default() -> Self {
-        let line = LineOf::Clipped(I::default(), I::default());
-        let unused = PointOf { at: [0.0; 2], depth: 0.0, line, origin: [line; 2] };
+        let line = PolygonLine::Clipped(0, 0);
+        let unused = PolygonCorner { at: [0.0; 2], depth: 0.0, line, origin: [line; 2] };
         Self { rounds: [[unused; MOST]; 2], now: 0, count: 0 }
     }
 }
 
-impl<I: Copy, const MOST: usize> Polygon<I, MOST> {
-    pub(super) fn list(&self) -> &[PointOf<I>] {
+impl<const MOST: usize> Polygon<MOST> {
+    pub(super) fn list(&self) -> &[PolygonCorner] {
         &self.rounds[self.now][..self.count]
     }
 
@@ -90,9 +75,9 @@ impl<I: Copy, const MOST: usize> Polygon<I, MOST> {
     }
 
     /// Of the first ones, for which there is memory.
-    pub(super) fn push(&mut self, point: PointOf<I>) {
+    pub(super) fn push(&mut self, corner: PolygonCorner) {
         if let Some(slot) = self.rounds[self.now].get_mut(self.count) {
-            *slot = point;
+            *slot = corner;
             self.count += 1;
         }
     }
@@ -102,8 +87,8 @@ impl<I: Copy, const MOST: usize> Polygon<I, MOST> {
     #[inline(always)]
     pub(super) fn cut(
         &mut self,
-        value: impl Fn(&PointOf<I>) -> f64,
-        line: LineOf<I>,
+        value: impl Fn(&PolygonCorner) -> f64,
+        line: PolygonLine,
     ) -> Option<()> {
         let [first, second] = &mut self.rounds;
         let (points, next) = if self.now == 0 { (&*first, second) } else { (&*second, first) };
@@ -128,7 +113,7 @@ impl<I: Copy, const MOST: usize> Polygon<I, MOST> {
             if (here >= 0.0) != (there >= 0.0) {
                 let share = here / (here - there);
                 let between = |x: f64, y: f64| x + (y - x) * share;
-                *next.get_mut(kept)? = PointOf {
+                *next.get_mut(kept)? = PolygonCorner {
                     at: [between(from.at[0], to.at[0]), between(from.at[1], to.at[1])],
                     depth: between(from.depth, to.depth),
                     line: if here >= 0.0 { line } else { from.line },
