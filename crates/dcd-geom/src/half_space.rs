@@ -12,6 +12,9 @@ use glam::DVec3;
 pub struct HalfSpace {
     normal: DVec3,
     offset: f64,
+    /// The same at a normal of length 1, rounded: most questions begin with it.
+    unit_normal: DVec3,
+    unit_offset: f64,
     swept_radius: f64,
 }
 
@@ -31,7 +34,9 @@ impl HalfSpace {
         if !(NORMALS.contains(&largest) && normal.is_finite() && offset.is_finite()) {
             return Err(ShapeError::BadPlane { normal, offset });
         }
-        Ok(Self { normal, offset, swept_radius: 0.0 })
+        let length = normal.length();
+        let (unit_normal, unit_offset) = (normal / length, offset / length);
+        Ok(Self { normal, offset, unit_normal, unit_offset, swept_radius: 0.0 })
     }
 
     /// The half-space with a sphere of this radius swept round it, metres; replaces any other radius.
@@ -51,6 +56,16 @@ impl HalfSpace {
     /// The normal's product with any point of the plane.
     pub fn offset(&self) -> f64 {
         self.offset
+    }
+
+    /// [`HalfSpace::normal`] at length 1, rounded.
+    pub fn unit_normal(&self) -> DVec3 {
+        self.unit_normal
+    }
+
+    /// How far its plane is from the origin of its frame along the normal, metres, negative behind it: rounded.
+    pub fn unit_offset(&self) -> f64 {
+        self.unit_offset
     }
 
     /// The radius swept round it, metres.
@@ -107,6 +122,16 @@ enum Axis {
 mod tests {
     use super::*;
     use glam::DQuat;
+
+    #[test]
+    fn a_plane_is_as_far_away_whatever_the_length_of_its_normal() {
+        let normal = DVec3::new(0.36, -0.48, 0.8);
+        for length in [1e-60, 0.25, 1.0, 3.0, 1e59] {
+            let plane = HalfSpace::new(normal * length, -2.5 * length).unwrap();
+            assert!(plane.unit_normal().distance(normal) < 1e-15, "{length}");
+            assert!((plane.unit_offset() + 2.5).abs() < 1e-14, "{length}");
+        }
+    }
 
     #[test]
     fn a_plane_without_direction_or_place_is_refused() {

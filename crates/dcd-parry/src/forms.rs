@@ -63,9 +63,8 @@ pub(crate) fn in_parrys_frame(shape: &Shape, pose: &Pose) -> Pose {
     let moved = match shape {
         Shape::Curved(_) => Pose::from_matrix(DMat3::from_cols(x, z, -y), pose.translation()),
         Shape::HalfSpace(half_space) => {
-            let normal = half_space.normal();
-            let (length, unit) = (normal.length(), normal.normalize());
-            let end = unit * (half_space.offset() / length + half_space.swept_radius());
+            let end =
+                half_space.unit_normal() * (half_space.unit_offset() + half_space.swept_radius());
             Pose::from_matrix(*pose.rotation(), pose.apply(end))
         }
         _ => return *pose,

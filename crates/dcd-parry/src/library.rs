@@ -206,7 +206,7 @@ macro_rules! behind_library {
                         }
                         // Its frame's origin is on the plane, the radius included.
                         Shape::HalfSpace(half_space) => {
-                            let normal = half_space.normal().normalize();
+                            let normal = half_space.unit_normal();
                             return Some(SharedShape::halfspace(Vector::from_dvec3(normal)));
                         }
                         Shape::Compound(compound) => return compound_form(compound),

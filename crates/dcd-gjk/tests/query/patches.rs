@@ -5,7 +5,7 @@ use super::{PosedSupport, answer_of, solve};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Polytope, Pose, Shape, SupportMap};
 use dcd_gjk::mesh::KnownParts;
-use dcd_gjk::query::{MeasureDepth, PartIndex};
+use dcd_gjk::query::{MeasureAt, MeasureDepth, PartIndex};
 use dcd_gjk::{
     Accuracy, Depths, Distances, Manifold, ManifoldSet, Manifolds, PosedShape, Verdict,
     WithAccuracy, certified,
@@ -442,4 +442,33 @@ fn what_no_formula_finds_of_a_mesh_far_from_its_own_origin_is_measured_and_joine
         assert!(is_mirrored(&found, &answer_of(&Manifolds::default(), &b, &a)), "{what}");
     }
     assert!(touching > 150, "{touching}");
+}
+
+#[test]
+fn layers_share_the_corners_of_the_deepest_in_whatever_order_they_are_given() {
+    let layer = |from: f64, to: f64| {
+        let part = Shape::cuboid(DVec3::new(0.5, 0.5, (to - from) / 2.0)).unwrap();
+        (part, Pose::from_translation(DVec3::Z * (from + to) / 2.0).unwrap())
+    };
+    let body = Shape::cuboid(DVec3::new(0.5, 0.5, 0.5)).unwrap();
+    let at = Pose::from_translation(DVec3::Z * 0.35).unwrap();
+    let b = PosedShape { shape: &body, pose: &at };
+    // The body is 0.15 m below the upper layer's top, and 0.05 m below that of the lower one.
+    let layers = [layer(-0.1, 0.0), layer(-2.0, -0.1)];
+    for order in [[0, 1], [1, 0]] {
+        let shape = Shape::compound(order.map(|k| layers[k].clone()).to_vec()).unwrap();
+        let a = PosedShape { shape: &shape, pose: &Pose::IDENTITY };
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            let what = format!("{order:?} {accuracy:?}");
+            let found = Manifolds::default().measure_at(accuracy, a, b, &mut Default::default());
+            let Verdict::Touching(found) = found else { panic!("{what}: {found:?}") };
+            let [only] = &found[..] else { panic!("{what}: {found:?}") };
+            assert!((only.normal - DVec3::Z).length() < 1e-6, "{what}: {only:?}");
+            assert_eq!(only.points().len(), 4, "{what}: {only:?}");
+            for point in only.points() {
+                assert!((point.depth - 0.15).abs() <= 1e-6, "{what}: {only:?}");
+                assert!(point.point_a.z.abs() <= 1e-6, "{what}: {only:?}");
+            }
+        }
+    }
 }

@@ -99,9 +99,8 @@ impl Surface {
     }
 
     fn of_plane(half_space: &HalfSpace, extent: f64) -> Self {
-        let normal = half_space.normal();
-        let unit = normal / normal.length();
-        let middle = unit * (half_space.offset() / normal.length() + half_space.swept_radius());
+        let unit = half_space.unit_normal();
+        let middle = unit * (half_space.unit_offset() + half_space.swept_radius());
         let (x, y) = unit.any_orthonormal_pair();
         let corner = |(i, j): (f64, f64)| (middle + (x * i + y * j) * extent).as_vec3();
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];

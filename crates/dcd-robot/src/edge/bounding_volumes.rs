@@ -186,8 +186,7 @@ impl Support {
                 return Some(Self { core: Core::Discs(discs), swept: curved.swept_radius(), size });
             }
             Shape::HalfSpace(half_space) => {
-                let length = half_space.normal().length();
-                let (normal, offset) = (half_space.normal() / length, half_space.offset() / length);
+                let (normal, offset) = (half_space.unit_normal(), half_space.unit_offset());
                 let (core, swept) = (Core::Plane(normal, offset), half_space.swept_radius());
                 return Some(Self { core, swept, size: offset.abs() });
             }

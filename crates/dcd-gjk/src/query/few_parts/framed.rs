@@ -55,9 +55,7 @@ impl<'a> Framed<'a> {
         let Ok(seen) = seen else { return in_world() };
         let extent = match b.shape {
             // Turned round its own origin, a plane is off at the compound too.
-            Shape::HalfSpace(half_space) => {
-                half_space.offset().abs() / half_space.normal().length() + place.length()
-            }
+            Shape::HalfSpace(half_space) => half_space.unit_offset().abs() + place.length(),
             other => other.reach(),
         };
         let size = a.shape.reach() + extent + place.length();

@@ -28,9 +28,8 @@ impl Slab {
         }
         match side.shape {
             Shape::HalfSpace(half_space) => {
-                let length = half_space.normal().length();
-                let outward = *pose.rotation() * (half_space.normal() / length);
-                let own = half_space.offset() / length;
+                let outward = *pose.rotation() * half_space.unit_normal();
+                let own = half_space.unit_offset();
                 let radius = half_space.swept_radius();
                 let far = place.abs().element_sum() + own.abs() + radius;
                 let high = outward.dot(place) + own + radius;

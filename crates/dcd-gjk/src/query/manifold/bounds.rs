@@ -43,7 +43,7 @@ fn extent(shape: &Shape) -> [f64; 2] {
     match shape {
         Shape::Polytope(core) => [core.reach() + core.swept_radius(), core.swept_radius()],
         Shape::HalfSpace(half_space) => {
-            let far = half_space.offset().abs() / half_space.normal().length();
+            let far = half_space.unit_offset().abs();
             [far + half_space.swept_radius(), half_space.swept_radius()]
         }
         Shape::Compound(compound) => [compound.reach(), compound.swept_radius()],

@@ -227,7 +227,7 @@ impl Patch {
     }
 }
 
-/// Keeps one corner of those at one place, the first.
+/// Keeps one corner of those at one place, the first, unless a later one is deeper: of layers that lie on each other.
 pub(super) fn drop_doubles(corners: &mut Vec<Corner>, size: f64) {
     let kept = different(corners, size);
     corners.truncate(kept);
@@ -240,13 +240,18 @@ pub(super) fn different<S: Spot + Copy>(corners: &mut [S], size: f64) -> usize {
     let are_apart = |offset: DVec2| offset.abs().max_element() > near || offset.length() > near;
     let mut kept = 0;
     for k in 0..corners.len() {
-        let at = corners[k].at();
-        if corners[..kept].iter().all(|other| are_apart(other.at() - at)) {
-            // Mostly none has been left out before.
-            if kept < k {
-                corners[kept] = corners[k];
+        let (at, depth) = (corners[k].at(), corners[k].depth());
+        match corners[..kept].iter().position(|other| !are_apart(other.at() - at)) {
+            None => {
+                // Mostly none has been left out before.
+                if kept < k {
+                    corners[kept] = corners[k];
+                }
+                kept += 1;
             }
-            kept += 1;
+            // More than rounding, or which one is kept would change from frame to frame.
+            Some(same) if depth > corners[same].depth() + near => corners[same] = corners[k],
+            Some(_) => {}
         }
     }
     kept

@@ -10,14 +10,12 @@ use dcd_geom::{HalfSpace, Pose};
 const ROUNDING: f64 = 96.0 * crate::UNIT;
 
 pub(super) fn hit(ray: &Ray, half_space: &HalfSpace, pose: &Pose) -> Option<RayHit> {
-    let normal = half_space.normal();
-    let scale = normal.length();
     // The plane n·R⁻¹(x − t) ≤ d is that of R⁻ᵀn; grown by the radius along its length.
-    let world = pose.rotation().inverse().transpose() * (normal / scale);
+    let world = pose.rotation().inverse().transpose() * half_space.unit_normal();
     let from = ray.origin() - pose.translation();
-    let grown = half_space.offset() / scale + half_space.swept_radius() * world.length();
+    let grown = half_space.unit_offset() + half_space.swept_radius() * world.length();
     let height = world.dot(from) - grown;
-    let sizes = from.length() + half_space.offset().abs() / scale + half_space.swept_radius();
+    let sizes = from.length() + half_space.unit_offset().abs() + half_space.swept_radius();
     let off = ROUNDING * sizes + UNDERFLOW;
     let rise = world.dot(ray.direction());
     let tilt = ROUNDING * ray.direction().length();

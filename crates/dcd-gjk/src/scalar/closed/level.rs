@@ -79,10 +79,8 @@ struct PlaneAtShape {
 impl PlaneAtShape {
     #[inline(always)]
     fn of(half_space: &HalfSpace, plane: &Pose, shape: &Pose) -> Self {
-        let normal = half_space.normal();
-        let length = normal.length();
-        let outward = *plane.rotation() * (normal / length);
-        let offset = half_space.offset() / length;
+        let outward = *plane.rotation() * half_space.unit_normal();
+        let offset = half_space.unit_offset();
         let delta = shape.translation() - plane.translation();
         let DMat3 { x_axis, y_axis, z_axis } = shape.rotation();
         let along = DVec3::new(x_axis.dot(outward), y_axis.dot(outward), z_axis.dot(outward));

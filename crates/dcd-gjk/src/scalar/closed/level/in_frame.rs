@@ -35,10 +35,8 @@ impl PlaneInFrame {
         if !(plane.pose.deviation() <= most && frame.deviation() <= most) {
             return None;
         }
-        let normal = half_space.normal();
-        let length = normal.length();
-        let in_world = *plane.pose.rotation() * (normal / length);
-        let offset = half_space.offset() / length;
+        let in_world = *plane.pose.rotation() * half_space.unit_normal();
+        let offset = half_space.unit_offset();
         let delta = frame.translation() - plane.pose.translation();
         let DMat3 { x_axis, y_axis, z_axis } = frame.rotation();
         let outward = DVec3::new(x_axis.dot(in_world), y_axis.dot(in_world), z_axis.dot(in_world));
