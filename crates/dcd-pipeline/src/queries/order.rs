@@ -1,7 +1,7 @@
 //! In which order many queries are answered: neighbours after each other, for they meet the same objects while these are
 //! in the cache. No answer depends on it.
 
-use dcd_exec::Exec;
+use dcd_exec::{Exec, Segments};
 use dcd_geom::Aabb;
 use dcd_geom::glam::DVec3;
 use dcd_gjk::motion::MovingShape;
@@ -21,14 +21,14 @@ const LAST: f64 = ((1 << BITS) - 1) as f64;
 const ENDLESS: f64 = 0.5 * Aabb::LIMIT;
 
 /// Replaces `answers` by those of that many queries, query k's at place k, in tasks of `grain` queries.
-pub(super) fn answer_each<A: Clone + Send>(
+pub(super) fn answer_each<A: Clone + Default + Send>(
     (exec, grain): (Exec<'_>, usize),
     (count, order): (usize, Option<Vec<u32>>),
-    answers: &mut Vec<Option<A>>,
-    answer: impl Fn(usize) -> Option<A> + Sync,
+    answers: &mut Vec<A>,
+    answer: impl Fn(usize) -> A + Sync,
 ) {
     answers.clear();
-    answers.resize(count, None);
+    answers.resize(count, A::default());
     let Some(order) = order else {
         exec.divide(&mut answers[..], grain, |first, answers| {
             for (k, slot) in answers.iter_mut().enumerate() {
@@ -37,7 +37,7 @@ pub(super) fn answer_each<A: Clone + Send>(
         });
         return;
     };
-    let mut found = vec![None; count];
+    let mut found = vec![A::default(); count];
     exec.divide(&mut found[..], grain, |first, found| {
         for (slot, &k) in found.iter_mut().zip(&order[first..]) {
             *slot = answer(k as usize);
@@ -46,6 +46,20 @@ pub(super) fn answer_each<A: Clone + Send>(
     for (found, &k) in found.into_iter().zip(&order) {
         answers[k as usize] = found;
     }
+}
+
+/// The same of queries with many answers each: `list` appends those of query k to a list, where they are segment k.
+pub(super) fn list_each<A: Send>(
+    how: (Exec<'_>, usize),
+    queries: (usize, Option<Vec<u32>>),
+    answers: &mut Segments<A>,
+    list: impl Fn(usize, &mut Vec<A>) + Sync,
+) {
+    answers.gather(|filler| {
+        let mut spans = Vec::new();
+        answer_each(how, queries, &mut spans, |k| filler.segment(|to| list(k, to)));
+        spans
+    });
 }
 
 /// Rays by where they enter the box round those objects, and then by their directions' signs.

@@ -110,6 +110,12 @@ impl Queries<'_> {
     /// that the ray may meet: by t, then by object, then by part.
     pub fn all_hits(&self, ray: &Ray, filter: &QueryFilter<'_>, hits: &mut Vec<ObjectHit>) {
         hits.clear();
+        self.list_hits(ray, filter, hits);
+    }
+
+    /// Appends them.
+    fn list_hits(&self, ray: &Ray, filter: &QueryFilter<'_>, hits: &mut Vec<ObjectHit>) {
+        let first = hits.len();
         let slabs = ray.slabs();
         let end = slabs.key_of(ray.max_t());
         self.visit(&slabs, end, &mut |object, _| {
@@ -121,7 +127,7 @@ impl Queries<'_> {
             }
             end
         });
-        hits.sort_unstable_by(ObjectHit::order);
+        hits[first..].sort_unstable_by(ObjectHit::order);
     }
 
     /// Replaces `hits` by the first hit of each ray, in the order of the rays; where there are many, they are cast in
@@ -139,7 +145,7 @@ impl Queries<'_> {
         });
     }
 
-    /// Replaces `hits` by all hits of each ray, those of ray k in segment k.
+    /// Replaces `hits` by all hits of each ray, those of ray k in segment k: see [`Queries::all_hits`].
     pub fn all_hits_of_each<'e>(
         &self,
         rays: &[Ray],
@@ -147,10 +153,9 @@ impl Queries<'_> {
         exec: impl Into<Exec<'e>>,
         hits: &mut Segments<ObjectHit>,
     ) {
-        hits.fill(exec.into(), rays.len(), |k, out| {
-            let mut hits = Vec::new();
-            self.all_hits(&rays[k], filter, &mut hits);
-            out.append(&mut hits);
+        let order = (rays.len(), order::of_rays(rays, self.aabbs));
+        order::list_each((exec.into(), RAYS_PER_TASK), order, hits, |k, hits| {
+            self.list_hits(&rays[k], filter, hits);
         });
     }
 }

@@ -1,12 +1,16 @@
 //! What a point, a box, a sphere, any shape or a frustum holds or touches.
 
-use super::{Queries, QueryError, QueryFilter, check_finite};
+use super::{Queries, QueryError, QueryFilter, check_finite, order};
 use dcd_exec::{Exec, Segments};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pose, PoseError, Shape, ShapeError};
-use dcd_gjk::{PosedShape, Verdict, certified, mesh::Scratch};
+use dcd_gjk::{PosedShape, Reason, Verdict, certified, mesh::Scratch};
 use dcd_simd::PlaneSet;
+use std::cell::OnceCell;
 use std::fmt;
+
+/// How many points a task looks up: some tens of microseconds.
+const POINTS_PER_TASK: usize = 32;
 
 /// An object in a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,19 +78,41 @@ impl Queries<'_> {
         found: &mut Vec<Found>,
     ) {
         found.clear();
+        self.list_touching(region, filter, found);
+    }
+
+    /// Appends them.
+    fn list_touching(
+        &self,
+        region: PosedShape<'_>,
+        filter: &QueryFilter<'_>,
+        found: &mut Vec<Found>,
+    ) {
         let mut scratch = Scratch::default();
-        let aabb = region.shape.aabb(region.pose);
-        self.visit(&aabb, 0.0, &mut |object, _| {
+        self.list_by(&region.shape.aabb(region.pose), filter, found, |posed| {
+            certified::overlap_with(region, posed, &mut scratch).0
+        });
+    }
+
+    /// Appends those whose boxes meet one and that are not proved to be apart from the region, in ascending order.
+    fn list_by(
+        &self,
+        aabb: &Aabb,
+        filter: &QueryFilter<'_>,
+        found: &mut Vec<Found>,
+        mut overlap: impl FnMut(PosedShape<'_>) -> Verdict<()>,
+    ) {
+        let first = found.len();
+        self.visit(aabb, 0.0, &mut |object, _| {
             if filter.sees(self.scene, object) {
-                let posed = PosedShape::of(self.scene, object);
-                let (verdict, _) = certified::overlap_with(region, posed, &mut scratch);
+                let verdict = overlap(PosedShape::of(self.scene, object));
                 if verdict != Verdict::Apart {
                     found.push(Found { object, is_certain: verdict == Verdict::Touching(()) });
                 }
             }
             0.0
         });
-        found.sort_unstable_by_key(|found| found.object);
+        found[first..].sort_unstable_by_key(|found| found.object);
     }
 
     /// Replaces `found` by the objects that contain a point, boundaries included, in ascending order.
@@ -132,11 +158,10 @@ impl Queries<'_> {
     ) -> Result<(), RegionError> {
         check_finite("point", 0, min)?;
         check_finite("point", 1, max)?;
-        let pick =
-            |bit: usize, axis: usize| if bit >> axis & 1 == 0 { min[axis] } else { max[axis] };
-        let corner = |k: usize| DVec3::new(pick(k, 0), pick(k, 1), pick(k, 2));
-        let shape = Shape::hull((0..8).map(corner).collect())?;
-        self.touching(PosedShape { shape: &shape, pose: &Pose::IDENTITY }, filter, found);
+        let region = BoxRegion::of([min, max])?;
+        let mut scratch = Scratch::default();
+        found.clear();
+        self.list_by(&region.aabb(), filter, found, |posed| region.overlap(posed, &mut scratch));
         Ok(())
     }
 
@@ -194,13 +219,81 @@ impl Queries<'_> {
         found: &mut Segments<Found>,
     ) -> Result<(), QueryError> {
         points.iter().enumerate().try_for_each(|(k, &point)| check_finite("point", k, point))?;
-        found.fill(exec.into(), points.len(), |k, out| {
-            let mut found = Vec::new();
+        // All of them share it.
+        let Ok(shape) = &Shape::sphere(0.0) else { return Ok(()) };
+        let order = (points.len(), order::of_points(points, self.aabbs));
+        order::list_each((exec.into(), POINTS_PER_TASK), order, found, |k, found| {
             // Checked above.
-            if self.at_point(points[k], filter, &mut found).is_ok() {
-                out.append(&mut found);
+            if let Ok(pose) = &Pose::from_translation(points[k]) {
+                self.list_touching(PosedShape { shape, pose }, filter, found);
             }
         });
         Ok(())
+    }
+}
+
+/// A box, and two cuboids which are it but for rounding: making a hull of its corners takes longer than most queries.
+struct BoxRegion {
+    /// Holds it.
+    outer: Shape,
+    /// Is inside of it.
+    inner: Shape,
+    /// Of both.
+    pose: Pose,
+    corners: [DVec3; 2],
+    /// The box itself, once that is needed.
+    exact: OnceCell<Option<Shape>>,
+}
+
+impl BoxRegion {
+    /// By its corners, in any order, which are in range.
+    fn of([one, other]: [DVec3; 2]) -> Result<Self, RegionError> {
+        let (low, high) = (one.min(other), one.max(other));
+        let centre = (low + (high - low) * 0.5).clamp(low, high);
+        let [below, above] = [centre - low, high - centre];
+        // Each difference may be rounded either way.
+        let most = below.max(above).to_array().map(f64::next_up);
+        let least = below.min(above).to_array().map(|half| half.next_down().max(0.0));
+        Ok(Self {
+            outer: Shape::cuboid(DVec3::from_array(most))?,
+            inner: Shape::cuboid(DVec3::from_array(least))?,
+            pose: Pose::from_translation(centre)?,
+            corners: [low, high],
+            exact: OnceCell::new(),
+        })
+    }
+
+    fn aabb(&self) -> Aabb {
+        self.outer.aabb(&self.pose)
+    }
+
+    fn overlap(&self, other: PosedShape<'_>, scratch: &mut Scratch) -> Verdict<()> {
+        let pose = &self.pose;
+        let mut with =
+            |shape| certified::overlap_with(PosedShape { shape, pose }, other, scratch).0;
+        if with(&self.inner) == Verdict::Touching(()) {
+            return Verdict::Touching(());
+        }
+        if with(&self.outer) == Verdict::Apart {
+            return Verdict::Apart;
+        }
+        match self.exact() {
+            Some(shape) => {
+                let exact = PosedShape { shape, pose: &Pose::IDENTITY };
+                certified::overlap_with(exact, other, scratch).0
+            }
+            None => Verdict::Undecided(Reason::Range),
+        }
+    }
+
+    /// The hull of its corners.
+    fn exact(&self) -> Option<&Shape> {
+        let made = self.exact.get_or_init(|| {
+            let [low, high] = self.corners;
+            let pick = |k: usize, axis: usize| [low, high][k >> axis & 1][axis];
+            let corner = |k: usize| DVec3::new(pick(k, 0), pick(k, 1), pick(k, 2));
+            Shape::hull((0..8).map(corner).collect()).ok()
+        });
+        made.as_ref()
     }
 }

@@ -10,7 +10,8 @@ fn many_queries_at_once_have_the_answer_of_each_alone() {
     let queries = pipeline.queries(&scene).unwrap();
     let sphere = Shape::sphere(0.1).unwrap();
     let (mut hits, mut nearest, mut impacts) = (Vec::new(), Vec::new(), Vec::new());
-    let mut met = [0; 3];
+    let (mut all, mut found) = (Segments::default(), Segments::default());
+    let mut met = [0; 5];
     // Few are answered as they come, many in an order of their own.
     for (filter, count) in filters().iter().flat_map(|f| [40, 800].map(|count| (f, count))) {
         let rays = rays(&scene, count);
@@ -27,8 +28,24 @@ fn many_queries_at_once_have_the_answer_of_each_alone() {
             points.iter().map(|&at| queries.nearest(at, 2.0, filter).unwrap()).collect::<Vec<_>>(),
             moving.iter().map(|&m| queries.cast(m, 1.0, 1e-6, filter).unwrap()).collect::<Vec<_>>(),
         );
+        let list_of_ray = |ray| {
+            let mut hits = Vec::new();
+            queries.all_hits(ray, filter, &mut hits);
+            hits
+        };
+        let list_of_point = |&at| {
+            let mut found = Vec::new();
+            queries.at_point(at, filter, &mut found).unwrap();
+            found
+        };
+        let lists_due = (
+            rays.iter().map(list_of_ray).collect::<Vec<_>>(),
+            points.iter().map(list_of_point).collect::<Vec<_>>(),
+        );
         for threads in [1, 3] {
             with_threads(threads, || {
+                queries.all_hits_of_each(&rays, filter, Par::Pool, &mut all);
+                queries.at_points(&points, filter, Par::Pool, &mut found).unwrap();
                 queries.first_hits(&rays, filter, Par::Pool, &mut hits);
                 queries.nearest_of_each(&points, 2.0, filter, Par::Pool, &mut nearest).unwrap();
                 queries.casts(&moving, 1.0, 1e-6, filter, Par::Pool, &mut impacts).unwrap();
@@ -37,10 +54,14 @@ fn many_queries_at_once_have_the_answer_of_each_alone() {
             assert!(hits == due.0, "{count} rays on {threads} threads");
             assert!(nearest == due.1, "{count} points on {threads} threads");
             assert!(impacts == due.2, "{count} casts on {threads} threads");
+            assert!(all.iter().eq(&lists_due.0), "{count} rays on {threads} threads");
+            assert!(found.iter().eq(&lists_due.1), "{count} points on {threads} threads");
         }
         met[0] += hits.iter().flatten().count();
         met[1] += nearest.iter().flatten().count();
         met[2] += impacts.iter().flatten().count();
+        met[3] += all.len();
+        met[4] += found.len();
     }
     assert!(met.iter().all(|&met| met > 100), "{met:?}");
 }

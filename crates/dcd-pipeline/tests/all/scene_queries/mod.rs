@@ -4,6 +4,7 @@ mod batches;
 mod brackets;
 mod changed;
 mod crowd;
+mod regions;
 
 use crate::random::Random;
 use dcd_exec::{Segments, with_threads};
