@@ -136,6 +136,8 @@ impl<L: List> Segmented<L> {
     /// Empties the list and keeps its memory.
     pub fn clear(&mut self) {
         self.spans.clear();
+        // Those too that a fill left there whose task panicked, still with their numbers.
+        self.lent.take_all(&mut self.buffers);
         for buffer in &mut self.buffers {
             buffer.items.clear();
             buffer.number = None;
@@ -326,6 +328,39 @@ mod tests {
             let mut segments = Segments::default();
             segments.gather(|filler| halves(par.into(), 0..100, filler));
             assert!(segments.iter().flatten().copied().eq(0..100));
+        }
+    }
+
+    #[test]
+    fn a_fill_after_one_that_panicked_has_all_that_its_tasks_write() {
+        const TASKS: usize = 64;
+        let write = |k: usize, out: &mut Vec<usize>| {
+            // Long enough for every thread to take some.
+            std::hint::black_box((0..2000_usize).fold(k, |x, y| x ^ y.wrapping_mul(7)));
+            out.push(k);
+        };
+        for threads in [1, 2, 4, 7] {
+            let refill = || {
+                let mut segments = Segments::default();
+                for round in 0..40 {
+                    let broken = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                        segments.fill(Par::Pool.into(), TASKS, |k, out| {
+                            write(k, out);
+                            assert!(k != 20 && k != 40, "on purpose");
+                        });
+                    }));
+                    assert!(broken.is_err() && segments.is_empty());
+                    if round % 2 == 0 {
+                        segments.fill(Par::Pool.into(), TASKS, write);
+                    } else {
+                        segments.gather(|filler| {
+                            (0..TASKS).map(|k| filler.segment(|out| write(k, out))).collect()
+                        });
+                    }
+                    assert!(segments.iter().flatten().copied().eq(0..TASKS), "{threads}, {round}");
+                }
+            };
+            with_threads(threads, refill).unwrap();
         }
     }
 

@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
         }
         let step = pipeline.step(&scene, Par::Pool);
-        events.follow(&scene, &step, Par::Pool);
+        events.follow(&scene, &step, Par::Pool)?;
         for event in events.iter().filter(|event| event.change != Change::Stay) {
             println!("frame {frame}: {:?} of {:?}", event.change, event.pair());
         }

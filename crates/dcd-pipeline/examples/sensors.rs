@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         scene.set_pose(1, at(-2.0 + 0.1 * f64::from(frame))?)?;
         let step = pipeline.step(&scene, Par::Serial);
         assert_eq!(step.contact_count(), 0);
-        passing.follow_sensors(&scene, &step, Par::Serial);
+        passing.follow_sensors(&scene, &step, Par::Serial)?;
         for event in passing.iter().filter(|event| event.change != Change::Stay) {
             println!("frame {frame}: {:?}", event.change);
         }

@@ -1,10 +1,10 @@
 //! A pipeline whose question is chosen at run time: for a command, a binding, a settings file.
 
-use crate::step::any;
-use crate::{Pipeline, Step};
+use crate::step::{Sealed, StepPairs, any};
+use crate::{Pipeline, Queries, QueryError, Step};
 use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::Exec;
-use dcd_geom::{Pair, Scene, ShapeError};
+use dcd_geom::{Pair, Revision, Scene, ShapeError};
 use dcd_gjk::epa::Depth;
 use dcd_gjk::query::ManifoldOptions;
 use dcd_gjk::{
@@ -186,6 +186,14 @@ impl<B: BroadPhase> AnyPipeline<B> {
         whichever!(&mut self.0, pipeline => pipeline.prepare_shapes(scene));
     }
 
+    /// [`Pipeline::queries`].
+    ///
+    /// # Errors
+    /// Those of [`Pipeline::queries`].
+    pub fn queries<'a>(&'a self, scene: &'a Scene) -> Result<Queries<'a>, QueryError> {
+        whichever!(&self.0, pipeline => pipeline.queries(scene))
+    }
+
     /// [`Pipeline::step`].
     pub fn step<'e>(&mut self, scene: &Scene, exec: impl Into<Exec<'e>>) -> AnyStep<'_> {
         self.step_where(scene, exec, any)
@@ -287,5 +295,21 @@ impl<'p> AnyStep<'p> {
     /// [`Step::report`].
     pub fn report(&self) -> &'p Report {
         of_step!(self, step => step.report())
+    }
+}
+
+impl Sealed for AnyStep<'_> {}
+
+impl StepPairs for AnyStep<'_> {
+    fn contact_pairs(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.contacts()
+    }
+
+    fn pairs_with_sensors(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.sensor_pairs()
+    }
+
+    fn layout(&self) -> Revision {
+        of_step!(self, step => step.layout())
     }
 }

@@ -29,7 +29,8 @@ use std::sync::{Arc, OnceLock};
 const OBSTACLES_PER_TASK: usize = 256;
 
 /// Obstacles prepared once: shared by all batch checkers that check against them, on all their threads.
-/// A clone is the same world.
+/// A clone is the same world until one of the two is changed; what holds the other keeps the obstacles as they were, a checker until
+/// [`BatchChecker::set_world`].
 ///
 /// Where a shape of the caller's own panics while its world changes, and the panic is caught, the world is not whole until another
 /// change succeeds: checks against it panic.
@@ -131,8 +132,9 @@ impl<N: NarrowPhase> StaticWorld<N> {
     /// searches nothing: the tree is made once a checker needs it.
     ///
     /// # Errors
-    /// None that the scene has not passed already, where all of the objects are there.
+    /// The first of them that is not there.
     pub fn for_pairs(scene: &Scene, objects: Range<usize>, narrow: N) -> Result<Self, SceneError> {
+        check_are_there(scene, objects.clone())?;
         let shapes = objects.clone().map(|i| scene.shape(i).clone()).collect();
         let names: Vec<u32> = (0..).take(objects.len()).collect();
         let objects = names.iter().zip(objects).map(|(&shape, i)| Object {
@@ -165,16 +167,24 @@ impl<N: NarrowPhase> StaticWorld<N> {
         }
     }
 
-    /// Moves an object, by its place among those that the world was made of, where no clone and no checker holds
-    /// the world too: false, and nothing is changed, where one does.
+    /// Moves an object, by its place among those that the world was made of. Where a clone or a checker holds the world too, all of
+    /// it is made anew, and that one keeps the objects as they were.
     ///
     /// # Errors
     /// There is no such object, or it would be out of range; nothing is changed then.
-    pub fn set_pose(&mut self, object: usize, pose: Pose) -> Result<bool, SceneError> {
-        match Arc::get_mut(&mut self.0) {
-            Some(obstacles) => obstacles.set_pose(object, pose).map(|()| true),
-            None => Ok(false),
+    pub fn set_pose(&mut self, object: usize, pose: Pose) -> Result<(), SceneError>
+    where
+        N: Clone,
+    {
+        if let Some(obstacles) = Arc::get_mut(&mut self.0) {
+            return obstacles.set_pose(object, pose);
         }
+        let Obstacles { scene, names, narrow, .. } = &*self.0;
+        let mut scene = scene.clone();
+        scene.set_pose(object, pose)?;
+        let exec = Exec::from(Par::Serial);
+        *self = Self(Arc::new(Obstacles::new(scene, names.clone(), narrow.clone(), exec)));
+        Ok(())
     }
 
     /// Ready to check configurations of these links, again and again.
@@ -184,6 +194,14 @@ impl<N: NarrowPhase> StaticWorld<N> {
     /// is out of range without being moved, by its number.
     pub fn checker(&self, link_set: LinkSet) -> Result<BatchChecker<N>, SceneError> {
         BatchChecker::new(self.clone(), link_set)
+    }
+}
+
+/// Refuses the first of some slots of a scene that holds no object.
+fn check_are_there(scene: &Scene, mut objects: Range<usize>) -> Result<(), SceneError> {
+    match objects.find(|&i| scene.motion(i).is_none()) {
+        Some(object) => Err(SceneError::NoSuchObject { object, objects: scene.len() }),
+        None => Ok(()),
     }
 }
 
@@ -212,6 +230,7 @@ impl<N: NarrowPhase> Obstacles<N> {
 
     /// Takes other objects in place of these.
     fn replace(&mut self, scene: &Scene, objects: Range<usize>) -> Result<(), SceneError> {
+        check_are_there(scene, objects.clone())?;
         let placed = objects.clone().map(|i| {
             let object = Object::new(0, scene.poses()[i]);
             (scene.shape(i), Object { filter: scene.filters()[i], ..object })
@@ -316,14 +335,28 @@ mod tests {
             world.replace_for_pairs(&scene(places), 0..places.len()).unwrap();
             assert_eq!(touched(&world, &probes), touched(&anew(places), &probes));
         }
-        assert!(world.set_pose(1, at(10.0)).unwrap());
+        world.set_pose(1, at(10.0)).unwrap();
         let moved = [3.0, 10.0, 8.0, 6.0];
         assert_eq!(touched(&world, &probes), touched(&anew(&moved), &probes));
         assert_eq!(touched(&world, &[10.0]), [[1]]);
         assert!(world.set_pose(4, at(0.0)).is_err() && world.set_pose(0, at(1e300)).is_err());
+        // None of a slot that is free, or not there.
+        let mut few = scene(&[0.0, 1.0, 2.0]);
+        let freed = few.handle(1).unwrap();
+        few.remove(freed).unwrap();
+        for (objects, object) in [(0..3, 1), (2..4, 3), (7..9, 7)] {
+            let missing = SceneError::NoSuchObject { object, objects: 3 };
+            let made = StaticWorld::for_pairs(&few, objects.clone(), Overlap::default());
+            assert_eq!(made.err(), Some(missing));
+            assert_eq!(world.replace_for_pairs(&few, objects), Err(missing));
+        }
+        assert_eq!(touched(&world, &probes), touched(&anew(&moved), &probes));
         // A world that is held twice stays for the other.
         let mut other = world.clone();
-        assert!(!other.set_pose(0, at(1.0)).unwrap());
+        other.set_pose(0, at(1.0)).unwrap();
+        assert_eq!(touched(&other, &[1.0, 3.0, 10.0]), [vec![0], vec![], vec![1]]);
+        assert_eq!(touched(&world, &probes), touched(&anew(&moved), &probes));
+        assert!(other.clone().set_pose(4, at(0.0)).is_err());
         other.replace_for_pairs(&scene(&[1.0]), 0..1).unwrap();
         assert_eq!(touched(&world, &probes), touched(&anew(&moved), &probes));
         assert_eq!(touched(&other, &[1.0, 3.0]), [vec![0], vec![]]);

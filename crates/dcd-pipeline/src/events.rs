@@ -2,10 +2,9 @@
 
 mod rows;
 
-use crate::Step;
+use crate::{QueryError, StepPairs};
 use dcd_exec::{Exec, Segments};
 use dcd_geom::{Handle, Pair, Scene};
-use dcd_gjk::ContactAnswer;
 use rows::Rows;
 
 /// What became of a touching pair.
@@ -50,10 +49,10 @@ impl Event {
 /// let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 3], poses)?;
 /// # let mut scene = scene;
 /// let (mut pipeline, mut events) = (Pipeline::new(), Events::default());
-/// events.follow(&scene, &pipeline.step(&scene, Par::Serial), Par::Serial);
+/// events.follow(&scene, &pipeline.step(&scene, Par::Serial), Par::Serial)?;
 /// assert_eq!(events.of(Change::Begin).count(), 1);
 /// scene.set_pose(1, Pose::from_translation(DVec3::Z * 5.0)?)?;
-/// events.follow(&scene, &pipeline.step(&scene, Par::Serial), Par::Serial);
+/// events.follow(&scene, &pipeline.step(&scene, Par::Serial), Par::Serial)?;
 /// assert_eq!(events.of(Change::End).map(|event| event.pair()).collect::<Vec<_>>(), [Pair { i: 0, j: 1 }]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -78,24 +77,32 @@ const OBJECTS_PER_TASK: usize = 256;
 impl Events {
     /// Takes in what a step found in that scene, and replaces the list. The first step's pairs all
     /// begin.
-    pub fn follow<'e, A: ContactAnswer>(
+    ///
+    /// # Errors
+    /// The scene is another than the step's, or an object has come or gone since, or changed its shape; nothing is changed then.
+    pub fn follow<'e>(
         &mut self,
         scene: &Scene,
-        step: &Step<'_, A>,
+        step: &impl StepPairs,
         exec: impl Into<Exec<'e>>,
-    ) -> &Self {
-        self.follow_pairs(scene, || step.contacts(), exec.into())
+    ) -> Result<&Self, QueryError> {
+        check_layout(scene, step)?;
+        Ok(self.follow_pairs(scene, || step.contact_pairs(), exec.into()))
     }
 
     /// The same of the pairs with a sensor ([`Step::sensor_pairs`]): what entered it, stayed and left. To be
     /// followed beside contacts, in a list of its own.
-    pub fn follow_sensors<'e, A: ContactAnswer>(
+    ///
+    /// # Errors
+    /// Those of [`Events::follow`].
+    pub fn follow_sensors<'e>(
         &mut self,
         scene: &Scene,
-        step: &Step<'_, A>,
+        step: &impl StepPairs,
         exec: impl Into<Exec<'e>>,
-    ) -> &Self {
-        self.follow_pairs(scene, || step.sensor_pairs(), exec.into())
+    ) -> Result<&Self, QueryError> {
+        check_layout(scene, step)?;
+        Ok(self.follow_pairs(scene, || step.pairs_with_sensors(), exec.into()))
     }
 
     fn follow_pairs<P: Iterator<Item = (u32, u32)>>(
@@ -146,6 +153,11 @@ impl Touching {
     }
 }
 
+/// Refuses a scene that has other slots than the step's had.
+fn check_layout(scene: &Scene, step: &impl StepPairs) -> Result<(), QueryError> {
+    if step.layout() == scene.layout() { Ok(()) } else { Err(QueryError::SceneChanged) }
+}
+
 /// Appends the events of object i with those of larger index.
 fn compare(i: u32, before: &Touching, now: &Touching, list: &mut Vec<Event>) {
     let (mut old, mut new) = (before.partners.row(i as usize), now.partners.row(i as usize));
@@ -171,7 +183,7 @@ fn compare(i: u32, before: &Touching, now: &Touching, list: &mut Vec<Event>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Par, Pipeline};
+    use crate::{AnyPipeline, Par, Pipeline, Question};
     use dcd_geom::{Object, Pose, Shape, glam::DVec3};
 
     fn at(x: f64) -> Pose {
@@ -185,7 +197,8 @@ mod tests {
             Scene::new(vec![sphere], [0.0, 0.9, 5.0].map(|x| Object::new(0, at(x)))).unwrap();
         let (mut pipeline, mut events) = (Pipeline::new(), Events::default());
         let mut reported = |scene: &Scene| -> Vec<(u32, u32, Change)> {
-            let events = events.follow(scene, &pipeline.step(scene, Par::Serial), Par::Serial);
+            let step = pipeline.step(scene, Par::Serial);
+            let events = events.follow(scene, &step, Par::Serial).unwrap();
             assert_eq!(events.iter().count(), events.len());
             events.iter().map(|e| (e.a.index, e.b.index, e.change)).collect()
         };
@@ -205,11 +218,11 @@ mod tests {
         let objects = [0.0, 0.5, 1.0].map(|x| Object::new(0, at(x)));
         let mut scene = Scene::new(vec![sphere], objects).unwrap();
         let (mut pipeline, mut events) = (Pipeline::new(), Events::default());
-        events.follow(&scene, &pipeline.step(&scene, Par::Serial), Par::Serial);
+        events.follow(&scene, &pipeline.step(&scene, Par::Serial), Par::Serial).unwrap();
         let old = scene.handle(1).unwrap();
         scene.remove(old).unwrap();
         let new = scene.insert(Object::new(0, at(0.5))).unwrap();
-        events.follow(&scene, &pipeline.step(&scene, Par::Serial), Par::Serial);
+        events.follow(&scene, &pipeline.step(&scene, Par::Serial), Par::Serial).unwrap();
         let (first, last) = (scene.handle(0).unwrap(), scene.handle(2).unwrap());
         let event = |a, b, change| Event { a, b, change };
         let expected = [
@@ -224,7 +237,30 @@ mod tests {
 
         // A scene that has fewer slots ends what the others had.
         let empty = Scene::default();
-        events.follow(&empty, &pipeline.step(&empty, Par::Serial), Par::Serial);
+        events.follow(&empty, &pipeline.step(&empty, Par::Serial), Par::Serial).unwrap();
         assert!(events.len() == 3 && events.of(Change::End).count() == 3);
+    }
+
+    #[test]
+    fn a_scene_that_is_not_the_steps_is_refused_and_changes_nothing() {
+        let sphere = Shape::sphere(0.5).unwrap();
+        let objects = [0.0, 0.5, 1.0].map(|x| Object::new(0, at(x)));
+        let mut scene = Scene::new(vec![sphere], objects).unwrap();
+        let mut pipeline = AnyPipeline::new(Question::default()).unwrap();
+        let (mut events, mut sensed) = (Events::default(), Events::default());
+        let step = pipeline.step(&scene, Par::Serial);
+        assert_eq!(events.follow(&scene, &step, Par::Serial).map(Events::len), Ok(2));
+        let other = Scene::default();
+        // Where it stands may have changed since.
+        scene.set_pose(2, at(9.0)).unwrap();
+        assert_eq!(events.follow(&scene, &step, Par::Serial).map(Events::len), Ok(2));
+        let last = scene.handle(2).unwrap();
+        scene.remove(last).unwrap();
+        for scene in [&scene, &other] {
+            let changed = QueryError::SceneChanged;
+            assert_eq!(events.follow(scene, &step, Par::Serial).err(), Some(changed));
+            assert_eq!(sensed.follow_sensors(scene, &step, Par::Serial).err(), Some(changed));
+        }
+        assert!(events.of(Change::Stay).count() == 2 && sensed.is_empty());
     }
 }

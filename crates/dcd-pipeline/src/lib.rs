@@ -34,7 +34,7 @@ pub use queries::{
     Found, Impacts, NearestObject, ObjectHit, ObjectImpact, PairImpact, Queries, QueryError,
     QueryFilter, RegionError, SensorChoice, Velocity,
 };
-pub use step::{Pipeline, Step};
+pub use step::{Pipeline, Step, StepPairs};
 
 /// The guide's pages, whose code is compiled and run.
 #[cfg(doctest)]

@@ -221,6 +221,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             exec.within_pool(|exec| self.walk(scene, exec, &may));
         }
         Step {
+            layout: scene.layout(),
             aabbs: &self.aabbs,
             candidates: &self.candidates,
             contacts: &self.contacts,
@@ -335,6 +336,8 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
 /// What a step found. Borrows the pipeline's buffers.
 #[derive(Debug)]
 pub struct Step<'p, A: ContactAnswer> {
+    /// Of the scene.
+    layout: Revision,
     aabbs: &'p [Aabb],
     candidates: &'p Candidates,
     contacts: &'p Segmented<A::List>,
@@ -384,6 +387,38 @@ impl<'p, A: ContactAnswer> Step<'p, A> {
     /// How many pairs each method decided, and the undecided ones.
     pub fn report(&self) -> &'p Report {
         self.report
+    }
+}
+
+/// A step whose pairs [`Events`](crate::Events) compare with those of the one before: a [`Step`] of any answers, or an
+/// [`AnyStep`](crate::AnyStep).
+pub trait StepPairs: Sealed {
+    /// [`Step::contacts`].
+    fn contact_pairs(&self) -> impl Iterator<Item = (u32, u32)>;
+
+    /// [`Step::sensor_pairs`].
+    fn pairs_with_sensors(&self) -> impl Iterator<Item = (u32, u32)>;
+
+    /// [`Scene::layout`] at the step.
+    fn layout(&self) -> Revision;
+}
+
+/// What keeps [`StepPairs`] to the types of this crate.
+pub trait Sealed {}
+
+impl<A: ContactAnswer> Sealed for Step<'_, A> {}
+
+impl<A: ContactAnswer> StepPairs for Step<'_, A> {
+    fn contact_pairs(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.contacts()
+    }
+
+    fn pairs_with_sensors(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.sensor_pairs()
+    }
+
+    fn layout(&self) -> Revision {
+        self.layout
     }
 }
 

@@ -59,7 +59,7 @@ fn static_objects_filters_and_events_allocate_nothing_either() {
     for frame in 0..8 {
         let seen = allocation_counter::measure(|| {
             let step = pipeline.step_where(&scene, Par::Serial, |i, j| i + j != 9);
-            assert!(!events.follow(&scene, &step, Par::Serial).is_empty());
+            assert!(!events.follow(&scene, &step, Par::Serial).unwrap().is_empty());
         });
         assert!(frame < 4 || seen.count_total == 0, "frame {frame}: {seen:?}");
         for i in (1..scene.len()).step_by(3) {

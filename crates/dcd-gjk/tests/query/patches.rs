@@ -450,24 +450,44 @@ fn layers_share_the_corners_of_the_deepest_in_whatever_order_they_are_given() {
         let part = Shape::cuboid(DVec3::new(0.5, 0.5, (to - from) / 2.0)).unwrap();
         (part, Pose::from_translation(DVec3::Z * (from + to) / 2.0).unwrap())
     };
-    let body = Shape::cuboid(DVec3::new(0.5, 0.5, 0.5)).unwrap();
-    let at = Pose::from_translation(DVec3::Z * 0.35).unwrap();
-    let b = PosedShape { shape: &body, pose: &at };
-    // The body is 0.15 m below the upper layer's top, and 0.05 m below that of the lower one.
-    let layers = [layer(-0.1, 0.0), layer(-2.0, -0.1)];
-    for order in [[0, 1], [1, 0]] {
-        let shape = Shape::compound(order.map(|k| layers[k].clone()).to_vec()).unwrap();
-        let a = PosedShape { shape: &shape, pose: &Pose::IDENTITY };
-        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
-            let what = format!("{order:?} {accuracy:?}");
-            let found = Manifolds::default().measure_at(accuracy, a, b, &mut Default::default());
-            let Verdict::Touching(found) = found else { panic!("{what}: {found:?}") };
-            let [only] = &found[..] else { panic!("{what}: {found:?}") };
-            assert!((only.normal - DVec3::Z).length() < 1e-6, "{what}: {only:?}");
-            assert_eq!(only.points().len(), 4, "{what}: {only:?}");
-            for point in only.points() {
-                assert!((point.depth - 0.15).abs() <= 1e-6, "{what}: {only:?}");
-                assert!(point.point_a.z.abs() <= 1e-6, "{what}: {only:?}");
+    // What is below is 0.15 m above the bottom of the lower layer, and 0.05 m above that of the upper one.
+    let layers = [layer(0.0, 0.1), layer(0.1, 2.0)];
+    let layered = |order: [usize; 2]| Shape::compound(order.map(|k| layers[k].clone()).to_vec());
+    let sheet = |z: f64| grid(2, |i, j| DVec3::new((i - 1.0) * 0.5, (j - 1.0) * 0.5, z));
+    let ((mut vertices, mut triangles), (below, back)) = (sheet(0.1), sheet(0.0));
+    triangles.extend(back.iter().map(|&[p, q, r]| [p + 9, r + 9, q + 9]));
+    vertices.extend(below);
+    let bodies = [
+        layered([0, 1]).unwrap(),
+        layered([1, 0]).unwrap(),
+        Shape::mesh(vertices, triangles).unwrap(),
+    ];
+    let corner = |k: u32| {
+        let side = |bit: u32| if k >> bit & 1 == 0 { -0.5 } else { 0.5 };
+        DVec3::new(side(0), side(1), side(2))
+    };
+    let grounds = [
+        Shape::cuboid(DVec3::splat(0.5)).unwrap(),
+        Shape::hull((0..8).map(corner).collect()).unwrap(),
+        Shape::half_space(DVec3::Z, 0.5).unwrap(),
+    ];
+    let at = Pose::from_translation(DVec3::Z * -0.35).unwrap();
+    for (k, body) in bodies.iter().enumerate() {
+        for (j, ground) in grounds.iter().enumerate() {
+            let a = PosedShape { shape: body, pose: &Pose::IDENTITY };
+            let b = PosedShape { shape: ground, pose: &at };
+            for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+                let what = format!("body {k} on ground {j}, {accuracy:?}");
+                let found =
+                    Manifolds::default().measure_at(accuracy, a, b, &mut Default::default());
+                let Verdict::Touching(found) = found else { panic!("{what}: {found:?}") };
+                let [only] = &found[..] else { panic!("{what}: {found:?}") };
+                assert!((only.normal + DVec3::Z).length() < 1e-6, "{what}: {only:?}");
+                assert_eq!(only.points().len(), 4, "{what}: {only:?}");
+                for point in only.points() {
+                    assert!((point.depth - 0.15).abs() <= 1e-5, "{what}: {only:?}");
+                    assert!(point.point_a.z.abs() <= 1e-5, "{what}: {only:?}");
+                }
             }
         }
     }

@@ -145,7 +145,7 @@ where
             aabbs: step.aabbs().to_vec(),
             candidates: step.candidates().collect(),
             contacts: step.contacts().collect(),
-            events: events.follow(&walk.scene, &step, par).iter().collect(),
+            events: events.follow(&walk.scene, &step, par).unwrap().iter().collect(),
         };
         look(frame, &walk.scene, reported);
         walk.advance();

@@ -1,9 +1,11 @@
-//! A shape of the caller's own that panics while it is prepared, and what holds once the panic is caught.
+//! Code of the caller's own that panics, and what holds once the panic is caught.
 
 use dcd_broad::WideTree;
+use dcd_exec::with_threads;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Object, Pose, Scene, Shape, Support, SupportMap};
 use dcd_pipeline::{LinkSet, Overlap, Par, Pipeline, StaticWorld};
+use dcd_scenes::SceneSpec;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -81,9 +83,36 @@ fn a_world_whose_change_panicked_answers_once_another_has_succeeded() {
             Ok(found) => assert_eq!(found, [true, true, true, false], "{supports}"),
             Err(_) => refused += 1,
         }
-        assert_eq!(world.set_pose(2, at(9.0)), Ok(true));
+        assert_eq!(world.set_pose(2, at(9.0)), Ok(()));
         assert_eq!(check(&world), [true, true, true, false], "{supports}");
     }
     assert_eq!(check(&world), [true, true, false, false]);
     assert!(refused > 0);
+}
+
+#[test]
+fn a_step_on_the_pool_behind_one_that_panicked_finds_what_a_new_pipeline_does() {
+    let scene = SceneSpec::sparse().with_objects(3000).scene().unwrap();
+    let contacts = |pipeline: &mut Pipeline| -> Vec<_> {
+        pipeline.step(&scene, Par::Pool).contacts().collect()
+    };
+    for threads in [1, 4] {
+        with_threads(threads, || {
+            let due = contacts(&mut Pipeline::new());
+            let mut pipeline = Pipeline::new();
+            for round in 0..10 {
+                // Some tasks have written by then, and some have not.
+                let breaks = |i: u32, j: u32| {
+                    assert!(i + j != 3000 + 10 * round, "on purpose");
+                    true
+                };
+                let step = || {
+                    pipeline.step_where(&scene, Par::Pool, breaks);
+                };
+                catch_unwind(AssertUnwindSafe(step)).ok();
+                assert!(contacts(&mut pipeline) == due, "{threads} threads, round {round}");
+            }
+        })
+        .unwrap();
+    }
 }

@@ -105,8 +105,8 @@ fn what_enters_and_leaves_a_sensor_is_an_event_of_its_own_list() {
     for x in [-3.0, -1.0, 0.0, 3.0] {
         scene.set_pose(1, at(x)).unwrap();
         let step = pipeline.step(&scene, Par::Serial);
-        assert!(contacts.follow(&scene, &step, Par::Serial).is_empty());
-        sensed.follow_sensors(&scene, &step, Par::Serial);
+        assert!(contacts.follow(&scene, &step, Par::Serial).unwrap().is_empty());
+        sensed.follow_sensors(&scene, &step, Par::Serial).unwrap();
         changes.extend(sensed.iter().map(|event| event.change));
     }
     assert_eq!(changes, [Change::Begin, Change::Stay, Change::End]);

@@ -38,8 +38,7 @@ impl StateChecker {
     /// Those of [`Workcell::move_obstacle`]; nothing is changed then.
     pub fn move_obstacle(&mut self, place: usize, pose: Pose) -> Result<(), RobotError> {
         self.prepared.move_obstacle(place, pose)?;
-        let moved =
-            self.world.get_mut().is_none_or(|w| matches!(w.set_pose(place, pose), Ok(true)));
+        let moved = self.world.get_mut().is_none_or(|world| world.set_pose(place, pose).is_ok());
         if !moved {
             self.forget_obstacles();
         }

@@ -18,6 +18,10 @@ use crate::epa::Depth;
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
 use dcd_geom::{Kind, Polytope, Shape, SupportMap};
 
+/// Of more corners than these doubles are kept: what looks for them compares each with all, and of many corners the four are
+/// apart without it. Larger: objects with thousands of parts or triangles in one patch that take seconds. Not below 4.
+const DOUBLES: usize = 64;
+
 /// Corners with heights that count the swept radii; memory that clipping takes.
 #[derive(Debug, Default)]
 pub(super) struct Corners {
@@ -325,7 +329,9 @@ impl Corners {
             found.error_bound = (bound_of(depth, 0.0, [a, b]) + depth.missed()).min(f64::MAX);
             return pairs;
         }
-        drop_doubles(&mut self.corners, self.size);
+        if self.corners.len() <= DOUBLES {
+            drop_doubles(&mut self.corners, self.size);
+        }
         let error_bound = bound_of(depth, self.size, [a, b]);
         // A depth in f32 is off the corners', which are in f64, by up to its bound.
         let short = depth.depth - self.deepest_after(0);
