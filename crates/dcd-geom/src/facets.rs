@@ -13,6 +13,11 @@ use glam::DVec3;
 /// left in triangles.
 pub const FLATNESS: f64 = 1e-9;
 
+/// The same for the faces that contacts show: what rounding to f32, or to six decimals, leaves of a flat face. Relative to the
+/// largest extent. Larger: contacts that do not see what is bent so little, and wider bounds. Smaller: boxes of rounded corners that stand on
+/// triangles.
+const LEVELLED: f64 = 1e-5;
+
 /// The height of a triangle by its longest edge below which the search for hulls looks at it: it may be a segment.
 const NEEDLE: f64 = 1e-5;
 
@@ -32,6 +37,7 @@ pub struct Facets {
     around: Vec<HalfEdge>,
     /// For each vertex where its half-edges end in `around`; they begin where the last vertex's end.
     ends: Vec<u32>,
+    unevenness: f64,
 }
 
 /// A face.
@@ -72,9 +78,18 @@ impl Facets {
     /// The faces of the hull of the points. Costs a microsecond a point; the same for the same points
     /// everywhere.
     pub fn of(vertices: &[DVec3]) -> Self {
+        Self::with_levelled(vertices, false).0
+    }
+
+    /// The faces, and those of the same hull with what is hardly bent made level, where these are others and `levels` says so.
+    pub(crate) fn with_levelled(vertices: &[DVec3], levels: bool) -> (Self, Option<Box<Self>>) {
         let mut facets = Self::default();
+        let mut levelled = None;
         match lattice::hull(vertices) {
-            lattice::Hull::Solid(triangles) => facets.merge(vertices, &triangles),
+            lattice::Hull::Solid(triangles) => {
+                facets.merge(vertices, &triangles, FLATNESS);
+                levelled = levels.then(|| Self::levelled(vertices, &triangles));
+            }
             lattice::Hull::Flat { normal } => {
                 let all: Vec<u32> = (0..vertices.len() as u32).collect();
                 let corners = ring::corners(vertices, &all, normal);
@@ -86,7 +101,15 @@ impl Facets {
             lattice::Hull::Point(only) => facets.push(DVec3::ZERO, &[only]),
         }
         facets.link(vertices.len());
-        facets
+        levelled = levelled.filter(|levelled| levelled.facets.len() < facets.facets.len());
+        (facets, levelled)
+    }
+
+    fn levelled(vertices: &[DVec3], triangles: &[Triangle]) -> Box<Self> {
+        let mut levelled = Box::<Self>::default();
+        levelled.unevenness = levelled.merge(vertices, triangles, LEVELLED);
+        levelled.link(vertices.len());
+        levelled
     }
 
     /// Of a triangle: without a search, if it is no needle.
@@ -110,6 +133,12 @@ impl Facets {
         }
         facets.link(count);
         facets
+    }
+
+    /// How far a vertex that was merged into a face may be from its plane, metres: of [`Polytope::contact_facets`](crate::Polytope::contact_facets)
+    /// that are others than the faces; 0 where only [`FLATNESS`] is lost.
+    pub fn unevenness(&self) -> f64 {
+        self.unevenness
     }
 
     /// The faces, the largest triangles' first.
@@ -185,8 +214,9 @@ impl Facets {
     }
 
     /// Each face grows from the largest triangle that is left, over edges, as long as the
-    /// corners stay in its plane.
-    fn merge(&mut self, vertices: &[DVec3], triangles: &[Triangle]) {
+    /// corners stay in its plane, to within that part of the extent. Returns how far the farthest is from it, metres.
+    fn merge(&mut self, vertices: &[DVec3], triangles: &[Triangle], flatness: f64) -> f64 {
+        let mut most = 0.0f64;
         let extent = vertices.iter().fold(0.0f64, |most, v| most.max(v.distance(vertices[0])));
         let weighted: Vec<DVec3> = triangles.iter().map(|t| weighted_normal(t, vertices)).collect();
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
@@ -200,9 +230,8 @@ impl Facets {
                 continue;
             }
             let base = vertices[triangles[seed as usize].corners[0] as usize];
-            let is_level = |corner: u32| {
-                (vertices[corner as usize] - base).dot(normal).abs() <= FLATNESS * extent
-            };
+            let off = |corner: u32| (vertices[corner as usize] - base).dot(normal).abs();
+            let is_level = |corner: u32| off(corner) <= flatness * extent;
             taken[seed as usize] = true;
             stack.push(seed);
             members.clear();
@@ -221,9 +250,11 @@ impl Facets {
             }
             members.sort_unstable();
             members.dedup();
+            most = members.iter().map(|&corner| off(corner)).fold(most, f64::max);
             let corners = ring::corners(vertices, &members, normal);
             self.push(normal, &corners);
         }
+        most
     }
 }
 

@@ -53,7 +53,8 @@ pub struct Polytope {
     obb: Option<Box<ObbBounds>>,
     reach: f64,
     blocks: Box<[Block]>,
-    facets: OnceLock<Facets>,
+    /// The faces, and those that contacts show where these are others.
+    facets: OnceLock<(Facets, Option<Box<Facets>>)>,
     planes: OnceLock<FacetPlanes>,
     feature_rows: OnceLock<Option<Box<FeatureRows>>>,
 }
@@ -125,7 +126,7 @@ impl Polytope {
         let centre = Sphere::at_mean(&corners);
         let facets = Facets::of_polygon(corners.len(), normal);
         let polygon = Self::with_obb(Kind::Hull, corners, centre, None);
-        Ok(Self { facets: OnceLock::from(facets), ..polygon })
+        Ok(Self { facets: OnceLock::from((facets, None)), ..polygon })
     }
 
     /// Points in one plane: there is no sphere inside, and the centre is their mean.
@@ -250,6 +251,20 @@ impl Polytope {
     /// The faces of the core: computed at the first call, then shared by all objects, threads and frames.
     #[inline]
     pub fn facets(&self) -> &Facets {
+        &self.all_facets().0
+    }
+
+    /// The faces that contacts show: those of [`Polytope::facets`], but that vertices within 1e-5 of the extent of a face's
+    /// plane count as in it. A box whose corners were rounded to f32, or to six decimals, has six faces of four corners here, and twelve
+    /// triangles there.
+    #[inline]
+    pub fn contact_facets(&self) -> &Facets {
+        let (facets, levelled) = self.all_facets();
+        levelled.as_deref().unwrap_or(facets)
+    }
+
+    #[inline]
+    fn all_facets(&self) -> &(Facets, Option<Box<Facets>>) {
         match self.facets.get() {
             Some(facets) => facets,
             None => self.derived_facets(),
@@ -257,15 +272,16 @@ impl Polytope {
     }
 
     #[cold]
-    fn derived_facets(&self) -> &Facets {
+    fn derived_facets(&self) -> &(Facets, Option<Box<Facets>>) {
         let found = || match (self.kind, &*self.vertices) {
-            (Kind::Triangle, &[a, b, c]) => Facets::of_triangle([a, b, c]),
+            (Kind::Triangle, &[a, b, c]) => (Facets::of_triangle([a, b, c]), None),
             (Kind::Cuboid { half_extents }, vertices) if is_thin(half_extents) => {
                 // A cube's faces have the same corners and normals. On a lattice those of a plate would be one.
                 let cube: Vec<DVec3> = vertices.iter().map(|vertex| vertex.signum()).collect();
-                Facets::of(&cube)
+                (Facets::of(&cube), None)
             }
-            _ => Facets::of(&self.vertices),
+            (Kind::Hull, vertices) => Facets::with_levelled(vertices, true),
+            _ => (Facets::of(&self.vertices), None),
         };
         self.facets.get_or_init(found)
     }
@@ -274,16 +290,16 @@ impl Polytope {
     /// result.
     #[inline]
     pub fn prefetch_facets(&self) {
-        if let Some(facets) = self.facets.get() {
-            facets.prefetch();
+        if self.facets.get().is_some() {
+            self.contact_facets().prefetch();
         }
     }
 
     /// Prefetches what is around a vertex, by index, if the faces are known already: a hint, without effect on any result.
     #[inline]
     pub fn prefetch_half_edges(&self, vertex: u32) {
-        if let Some(facets) = self.facets.get() {
-            facets.prefetch_half_edges(vertex);
+        if self.facets.get().is_some() {
+            self.contact_facets().prefetch_half_edges(vertex);
         }
     }
 

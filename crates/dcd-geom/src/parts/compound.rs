@@ -47,7 +47,7 @@ impl Part {
         }
         let (own, placed) = (self.shape.as_polytope()?, self.placed.as_polytope()?);
         let found = || {
-            let (own, placed) = (own.facets(), placed.facets());
+            let (own, placed) = (own.contact_facets(), placed.contact_facets());
             let place = |due: &[u32]| {
                 let is_same = |corners: &[u32]| {
                     corners.len() == due.len() && corners.iter().all(|corner| due.contains(corner))

@@ -47,7 +47,7 @@ use crate::mesh::{self, KnownParts, PartIndex};
 use crate::simd::{CoreContact, CuboidPatch};
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
 use alone::Known;
-use bounds::{bound_of, bound_of_witnesses, turned_by};
+use bounds::{bound_of, bound_of_witnesses, turned_by, uneven_by, unevenness};
 pub use contacts::ManifoldContacts;
 use corners::Corners;
 pub(crate) use cuboid_faces::case_of;
@@ -72,7 +72,8 @@ pub struct Manifold {
     /// From a to b, of unit length: the direction of the deepest parts' [`Depth`].
     pub normal: DVec3,
     /// How far a point may be off its object's surface, and the first one's depth off that of the deepest parts:
-    /// metres. The depth's own bound, and how flat a face is, about 1e-8 of the objects' size. More where a rounded face
+    /// metres. The depth's own bound, and how flat a face is, about 1e-8 of the objects' size, and twice what the hulls' faces are bent by
+    /// ([`dcd_geom::Facets::unevenness`]). More where a rounded face
     /// or edge leans, at most by what its points are less deep than the first; where parts meet along normals that agree
     /// within 1e-3 rad and no better, that angle's part of the depth; and by what poses are off rotations.
     pub error_bound: f64,
@@ -98,8 +99,8 @@ pub struct ManifoldPoint {
     pub parts: [Option<PartIndex>; 2],
 }
 
-/// A part of a polytope, by index into its vertices or [`dcd_geom::Facets`]; of a cylinder or cone the vertices are eight corners that
-/// stand for a rim, and the ends of a line of its side.
+/// A part of a polytope, by index into its vertices or its [contact facets](dcd_geom::Polytope::contact_facets); of a cylinder or
+/// cone the vertices are eight corners that stand for a rim, and the ends of a line of its side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Feature {
     /// The whole, for shapes that have no vertices.

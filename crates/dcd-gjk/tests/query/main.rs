@@ -16,6 +16,7 @@ mod nearest_parts;
 mod patches;
 mod proximity;
 mod ranks;
+mod rough_faces;
 mod round_depths;
 mod round_distances;
 mod scenes;

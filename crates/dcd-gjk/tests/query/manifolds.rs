@@ -231,7 +231,7 @@ fn floor() -> Shape {
 }
 
 /// What a shape can rest on at height 0, with its place.
-fn grounds() -> Vec<(&'static str, PosedSupport)> {
+pub(super) fn grounds() -> Vec<(&'static str, PosedSupport)> {
     let half = DVec3::new(1.0, 1.0, 0.5);
     let tile = Shape::cuboid(half).unwrap();
     let at = |x: f64, y: f64| Pose::from_translation(DVec3::new(x, y, -0.5)).unwrap();

@@ -2,7 +2,7 @@
 
 use crate::PosedShape;
 use crate::epa::Depth;
-use dcd_geom::{Shape, SupportMap, Vector};
+use dcd_geom::{Kind, Polytope, Shape, SupportMap, Vector};
 
 /// How flat the faces are, and how far two parallel edges may lean, as a part of the error bound;
 /// relative to the shapes' size.
@@ -34,6 +34,23 @@ pub(super) fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) ->
     let turned = TURNED * deviation * (size + (radius_a + radius_b) + depth.depth);
     let rounded = PLACED * (reach_a + reach_b) + 8.0 * f64::EPSILON * far;
     (depth.error_bound + FLAT * size + turned + rounded).min(f64::MAX)
+}
+
+/// How far points that are clipped by faces of two shapes may be off, and the deepest of them short of the depth, for what hulls show as one
+/// face and is bent: metres.
+#[inline]
+pub(super) fn unevenness(shapes: [&Shape; 2]) -> f64 {
+    let of = |shape: &Shape| shape.as_polytope().map_or(0.0, uneven_by);
+    of(shapes[0]) + of(shapes[1])
+}
+
+/// The same of one: the faces' planes are off by that on either side.
+#[inline]
+pub(super) fn uneven_by(polytope: &Polytope) -> f64 {
+    match polytope.kind() {
+        Kind::Hull => 2.0 * polytope.contact_facets().unevenness(),
+        _ => 0.0,
+    }
 }
 
 /// How far a point of a shape may be from the origin of its own frame, of a half-space how far its plane is; and the largest

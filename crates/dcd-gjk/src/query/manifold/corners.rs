@@ -9,7 +9,8 @@ use super::outline::Outline;
 use super::reduce::Spot;
 use super::triangle_clip::{self, TrianglePolygon};
 use super::{
-    Feature, Manifold, ManifoldPoint, SAME, bound_of, bound_of_witnesses, reduce, write_one_point,
+    Feature, Manifold, ManifoldPoint, SAME, bound_of, bound_of_witnesses, reduce, uneven_by,
+    unevenness, write_one_point,
 };
 use super::{cuboids, on_plane};
 use crate::PosedShape;
@@ -32,6 +33,8 @@ pub(super) struct Corners {
     of_triangles: TrianglePolygon,
     /// How large the shapes are.
     size: f64,
+    /// How far corners may be off, and short of the depth, for faces that are not flat: metres.
+    uneven: f64,
     /// How large the parts are, whether they have features to be seen or none.
     noted: f64,
 }
@@ -45,8 +48,7 @@ impl Corners {
 
     pub(super) fn clear(&mut self) {
         self.corners.clear();
-        self.size = 0.0;
-        self.noted = 0.0;
+        (self.size, self.uneven, self.noted) = (0.0, 0.0, 0.0);
     }
 
     pub(super) fn len(&self) -> usize {
@@ -79,7 +81,7 @@ impl Corners {
 
     /// What is lost by faces that are not flat.
     pub(super) fn tolerance(&self) -> f64 {
-        SAME * self.size
+        SAME * self.size + self.uneven
     }
 
     /// The witnesses of a depth, whose normal may be another than the view's: off the surfaces by no more than its bound, and
@@ -120,6 +122,7 @@ impl Corners {
             return patch.whole;
         }
         let [a, b] = sides;
+        self.uneven = self.uneven.max(unevenness([a.shape, b.shape]));
         if let Some(of_sphere) = of_sphere(view.normal(), sides, None) {
             self.size = self.size.max(of_sphere.size);
             return of_sphere.features;
@@ -263,6 +266,7 @@ impl Corners {
     ) -> Option<[Feature; 2]> {
         let part = Part::of_triangle(*corners, view.normal())?;
         self.size = self.size.max(size_with_triangle(corners, facing.polytope));
+        self.uneven = self.uneven.max(uneven_by(facing.polytope));
         let whole = [part.name(), facing.whole];
         if !facing.has_corners {
             return Some(whole);
@@ -361,7 +365,8 @@ impl Corners {
         }
         found.points[0].depth = depth.depth;
         found.normal = depth.normal;
-        found.error_bound = (error_bound + off_surface + short.max(0.0)).min(f64::MAX);
+        let lost = off_surface + short.max(0.0) + self.uneven;
+        found.error_bound = (error_bound + lost).min(f64::MAX);
         pairs
     }
 }

@@ -142,7 +142,7 @@ impl<'a> Choice<'a> {
         if self.polytope.kind() != Kind::Hull {
             return None;
         }
-        let half_edges = self.polytope.facets().half_edges_from(vertex);
+        let half_edges = self.polytope.contact_facets().half_edges_from(vertex);
         // A point that is inside of a face or repeated has no faces.
         (!half_edges.is_empty()).then_some(HullCorner { vertex, half_edges })
     }
@@ -158,7 +158,7 @@ impl<'a> Choice<'a> {
     fn of_cuboid(&self) -> Option<Part<'a>> {
         Some(match cuboids::feature(self.polytope, self.direction)? {
             Feature::Face(index) => {
-                let facets: &'a Facets = self.polytope.facets();
+                let facets: &'a Facets = self.polytope.contact_facets();
                 let facet = facets.facets().get(index as usize)?;
                 Part::Face { index, normal: facet.normal, corners: facets.corners(facet) }
             }
@@ -185,10 +185,11 @@ impl<'a> Choice<'a> {
     fn searched(&self) -> Part<'a> {
         let mut kept = [0.0; KEPT];
         let (kept, farthest) = self.heights(&mut kept);
-        let least = farthest - FARTHEST * self.polytope.outer_radius();
+        let uneven = self.polytope.contact_facets().unevenness();
+        let least = farthest - FARTHEST * self.polytope.outer_radius() - 2.0 * uneven;
         let found = match self.farthest_of(kept, least) {
             Some(Farthest::One(only)) => {
-                let half_edges = self.polytope.facets().half_edges_from(only);
+                let half_edges = self.polytope.contact_facets().half_edges_from(only);
                 Some(self.round_corner(HullCorner { vertex: only, half_edges }))
             }
             Some(Farthest::Two(ends)) => self.round_edge(ends),
@@ -231,7 +232,7 @@ impl<'a> Choice<'a> {
     /// The face round a vertex that looks along the direction, if one does: several vertices are farthest where it is theirs.
     #[inline(always)]
     fn level_face(&self, vertex: u32) -> Option<Part<'a>> {
-        let half_edges = self.polytope.facets().half_edges_from(vertex);
+        let half_edges = self.polytope.contact_facets().half_edges_from(vertex);
         let (mut cosine, mut face) = (LEVEL_FACE, NONE);
         for (k, half_edge) in half_edges.iter().enumerate() {
             let facing = half_edge.normal.dot(self.direction);
@@ -275,7 +276,7 @@ impl<'a> Choice<'a> {
     /// between them, which rises by rounding alone. `None` where there is neither.
     #[inline(always)]
     fn round_edge(&self, [j, k]: [u32; 2]) -> Option<Part<'a>> {
-        let facets: &'a Facets = self.polytope.facets();
+        let facets: &'a Facets = self.polytope.contact_facets();
         let (mut cosine, mut face) = (FACING, NO_FACE);
         for vertex in [j, k] {
             for half_edge in facets.half_edges_from(vertex) {
@@ -302,13 +303,13 @@ impl<'a> Choice<'a> {
     /// The face of a half-edge.
     #[inline(always)]
     fn face_along(&self, half_edge: &HalfEdge) -> Part<'a> {
-        let facets: &'a Facets = self.polytope.facets();
+        let facets: &'a Facets = self.polytope.contact_facets();
         let &HalfEdge { face: index, normal, .. } = half_edge;
         Part::Face { index, normal, corners: facets.face_corners(half_edge) }
     }
 
     fn face(&self, index: u32) -> Part<'a> {
-        let facets: &'a Facets = self.polytope.facets();
+        let facets: &'a Facets = self.polytope.contact_facets();
         let facet = &facets.facets()[index as usize];
         Part::Face { index, normal: facet.normal, corners: facets.corners(facet) }
     }
@@ -320,7 +321,7 @@ impl<'a> Choice<'a> {
             Some(&along) => along >= least,
             None => self.along(k) >= least,
         };
-        let facets: &'a Facets = self.polytope.facets();
+        let facets: &'a Facets = self.polytope.contact_facets();
         let mut listed = [0; LISTED];
         let mut count = 0;
         let mut first = None;
@@ -396,7 +397,7 @@ impl<'a> Choice<'a> {
     /// The face that looks most along the direction, of those that look almost that way: the first in their order among
     /// equals, and it comes before any edge.
     fn face_of(&self, faces: impl Iterator<Item = u32>) -> Option<Part<'a>> {
-        let facets: &'a Facets = self.polytope.facets();
+        let facets: &'a Facets = self.polytope.contact_facets();
         let mut best = FACING;
         let mut face: Option<u32> = None;
         for index in faces {
@@ -417,7 +418,7 @@ impl<'a> Choice<'a> {
         faces: impl Iterator<Item = u32>,
         is_farthest: impl Fn(u32) -> bool,
     ) -> Option<Part<'a>> {
-        let facets: &'a Facets = self.polytope.facets();
+        let facets: &'a Facets = self.polytope.contact_facets();
         let mut best = LEVEL;
         let mut edge = None;
         for index in faces {

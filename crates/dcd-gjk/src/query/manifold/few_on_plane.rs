@@ -7,7 +7,7 @@ use super::bounds::{TURNED, bound_of};
 use super::clip::different;
 use super::on_plane::{MOST as CORNERS, Resting};
 use super::reduce::{self, Spot};
-use super::{Feature, Manifold, ManifoldPoint, SAME};
+use super::{Feature, Manifold, ManifoldPoint, SAME, unevenness};
 use crate::closed::level::PlaneInFrame;
 use crate::epa::Depth;
 use crate::mesh::PartIndex;
@@ -60,6 +60,8 @@ struct Below {
     error_bound: f64,
     /// How large the largest part is.
     size: f64,
+    /// How far a part's lowest corner may be above its lowest vertex, metres.
+    uneven: f64,
 }
 
 /// Writes the manifold of a compound and a half-space, in that order, over an empty one; `None`, and nothing written, of other
@@ -99,6 +101,7 @@ impl Below {
             upper: 0.0,
             error_bound: 0.0,
             size: 0.0,
+            uneven: 0.0,
         }
     }
 
@@ -133,6 +136,7 @@ impl Below {
             resting.size()
         })?;
         self.size = self.size.max(size);
+        self.uneven = self.uneven.max(unevenness([posed.shape, half_space.shape]));
         self.upper = self.upper.max(depth.depth + depth.error_bound);
         if depth.depth > self.depth {
             (self.part, self.depth, self.error_bound) = (part, depth.depth, depth.error_bound);
@@ -153,7 +157,7 @@ impl Below {
         let (kept, count) = reduce::to_four(corners, tolerance)?;
         let kept = &kept[..count];
         // The first is the deepest, and stands for all if it is as deep as its part. False for NaN.
-        if !(corners[kept[0]].depth >= self.depth - tolerance) {
+        if !(corners[kept[0]].depth >= self.depth - tolerance - self.uneven) {
             return None;
         }
         let [a, _] = sides;
@@ -168,7 +172,7 @@ impl Below {
             inside.min((self.depth - depth).max(0.0)) + own
         };
         let off_surface = kept.iter().map(off_surface).fold(0.0, f64::max);
-        let error_bound = bound_of(&whole, self.size, sides) + off_surface;
+        let error_bound = bound_of(&whole, self.size, sides) + off_surface + self.uneven;
         found.error_bound = error_bound.min(f64::MAX);
         Some(())
     }

@@ -12,7 +12,7 @@ use super::outline::{CORNERS, Outline, Outlines};
 use super::patch_writer::{PatchWriter, Point};
 use super::polygon::Polygon;
 use super::reduce;
-use super::{SAME, bound_of, bound_of_witnesses};
+use super::{SAME, bound_of, bound_of_witnesses, unevenness};
 use crate::PosedShape;
 use crate::epa::Depth;
 use crate::query::FoundDepth;
@@ -74,8 +74,9 @@ pub(super) fn write(
     if outlines.clip(polygon).is_none() {
         return false;
     }
-    let (origin, error_bound) = (a.pose.translation(), bound_of(depth, size, [a, b]));
-    let patch = HullPatch { view: &view, outlines, polygon, origin, size };
+    let uneven = unevenness([a.shape, b.shape]);
+    let (origin, error_bound) = (a.pose.translation(), bound_of(depth, size, [a, b]) + uneven);
+    let patch = HullPatch { view: &view, outlines, polygon, origin, size, uneven };
     if !patch.write(depth, error_bound, writer) {
         writer.write_witnesses(depth, whole, bound_of_witnesses(depth, size, [a, b]));
     }
@@ -91,6 +92,8 @@ struct HullPatch<'a> {
     origin: DVec3,
     /// How large the shapes are.
     size: f64,
+    /// How far the deepest corner may be short for faces that are not flat, metres.
+    uneven: f64,
 }
 
 impl HullPatch<'_> {
@@ -110,7 +113,7 @@ impl HullPatch<'_> {
         // A depth in f32 is off the corners', which are in f64, by up to its bound.
         let short = depth.depth - places[kept[0]].depth;
         // False for NaN, which numbers near the end of their range make.
-        if !(short <= tolerance + depth.error_bound) {
+        if !(short <= tolerance + self.uneven + depth.error_bound) {
             return false;
         }
         let shallowest = kept[..count].iter().map(|&k| places[k].depth).fold(depth.depth, f64::min);

@@ -15,7 +15,7 @@ use super::facing::Part;
 use super::feature_code::FeatureCode;
 use super::leaning_edge::level_of_edge;
 use super::patch_writer::{PatchWriter, Point};
-use super::{SAME, bound_of, bound_of_witnesses};
+use super::{SAME, bound_of, bound_of_witnesses, unevenness};
 use crate::order;
 use crate::query::{FoundDepth, FoundPair};
 use dcd_geom::glam::DVec3;
@@ -157,8 +157,9 @@ impl<'a> Shown<'a> {
         let (size, kept) = (self.size(), &packet.kept);
         // A depth in f32 is off the corners', which are in f64, by up to its bound.
         let short = depth.depth - kept.depths[0][lane];
+        let uneven = unevenness(sides.map(|side| side.shape));
         // False for NaN, which numbers near the end of their range make.
-        if !(short <= SAME * size + depth.error_bound) {
+        if !(short <= SAME * size + uneven + depth.error_bound) {
             return self.write_witnesses(writer);
         }
         let count = (kept.count[lane] as usize).clamp(1, 4);
@@ -168,7 +169,7 @@ impl<'a> Shown<'a> {
             shallowest = shallowest.min(depths[lane]);
         }
         let off_surface = self.inside().min((depth.depth - shallowest).max(0.0));
-        let error_bound = bound_of(depth, size, *sides) + off_surface + short.abs();
+        let error_bound = bound_of(depth, size, *sides) + off_surface + short.abs() + uneven;
         let error_bound = error_bound.min(f64::MAX);
         let deepest = Point { depth: depth.depth, ..placed.point(0) };
         writer.begin(depth.normal, error_bound, deepest);

@@ -11,7 +11,7 @@ use super::feature::View;
 use super::leaning_edge::level_of_edge;
 use super::reduce::{self, Spot};
 use super::stand_in::StandIn;
-use super::{Feature, Manifold, ManifoldPoint, SAME, bound_of, write_one_point};
+use super::{Feature, Manifold, ManifoldPoint, SAME, bound_of, unevenness, write_one_point};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::glam::{DVec2, DVec3};
@@ -162,7 +162,7 @@ impl Resting<'_> {
         let error_bound = bound_of(depth, self.size, self.sides);
         // The first is the deepest, and stands for all if it is as deep as the pair.
         let kept = reduce::to_four(corners, tolerance)
-            .filter(|(kept, _)| corners[kept[0]].depth >= depth.depth - tolerance);
+            .filter(|(kept, _)| corners[kept[0]].depth >= depth.depth - tolerance - self.uneven());
         let Some((kept, count)) = kept else {
             write_one_point(depth, self.features(self.part.name()), found);
             found.error_bound = error_bound;
@@ -176,7 +176,14 @@ impl Resting<'_> {
         }));
         found.points[0].depth = depth.depth;
         found.normal = depth.normal;
-        found.error_bound = (error_bound + self.off_surface(depth, shallowest)).min(f64::MAX);
+        let off_surface = self.off_surface(depth, shallowest) + self.uneven();
+        found.error_bound = (error_bound + off_surface).min(f64::MAX);
+    }
+
+    /// How far its lowest corner may be above its lowest vertex, where its faces are bent: metres.
+    #[inline]
+    fn uneven(&self) -> f64 {
+        unevenness(self.sides.map(|side| side.shape))
     }
 
     /// How large it is, metres.

@@ -56,7 +56,7 @@ impl Resting<'_> {
         }
         let deepest = depths[first];
         // Written so that NaN is not as deep.
-        if !(deepest >= 0.0 && deepest >= depth.depth - SAME * self.size) {
+        if !(deepest >= 0.0 && deepest >= depth.depth - SAME * self.size - self.uneven()) {
             return false;
         }
         let most = depth.depth;
@@ -69,7 +69,8 @@ impl Resting<'_> {
         }
         let error_bound = bound_of(depth, self.size, self.sides);
         found.normal = depth.normal;
-        found.error_bound = (error_bound + self.off_surface(depth, shallowest)).min(f64::MAX);
+        let off_surface = self.off_surface(depth, shallowest) + self.uneven();
+        found.error_bound = (error_bound + off_surface).min(f64::MAX);
         true
     }
 }

@@ -92,7 +92,9 @@ fn what_rests_on_a_plane_does_so_where_the_general_way_has_it() {
                 && is_of_rim(curved, body, point, round % 3 == 0));
             assert!(is_there || is_of_rim, "round {round}: {found:?}, {due:?}");
         }
-        assert!((found.error_bound - due.error_bound).abs() < SAME_PLACE, "round {round}");
+        // The general way counts faces that are bent where it sees a vertex alone.
+        let same = SAME_PLACE + unevenness([&shape, &plane]);
+        assert!((found.error_bound - due.error_bound).abs() < same, "round {round}");
         several += usize::from(due.points.len() > 1);
         compared += 1;
     }
