@@ -124,6 +124,37 @@ impl Pose {
         self.deviation
     }
 
+    /// The pose of what is at `inner` in the frame of this one: x ↦ R·(R'·x + t') + t. Products are rounded, and a
+    /// rotation comes out as far from one as both are together, and some 2⁻⁵⁰ more.
+    ///
+    /// # Errors
+    /// A number that overflows, or rotations that are too far from one together.
+    pub fn compose(&self, inner: &Self) -> Result<Self, PoseError> {
+        Self::from_matrix(self.rotation * inner.rotation, self.apply(inner.translation))
+    }
+
+    /// The pose of this one's outer frame as seen in its own: x ↦ Rᵀ·(x − t), rounded. The inverse of a rotation is its
+    /// transpose; what this one is off a rotation, [`Pose::deviation`], the result misses of being its inverse.
+    ///
+    /// # Errors
+    /// A number that overflows.
+    ///
+    /// ```
+    /// use dcd_geom::Pose;
+    /// use dcd_geom::glam::{DQuat, DVec3};
+    /// let gripper = Pose::new(DQuat::from_rotation_z(0.5), DVec3::new(1.0, 2.0, 3.0))?;
+    /// let part = Pose::new(DQuat::from_rotation_x(0.3), DVec3::new(1.0, 2.5, 3.0))?;
+    /// // Where the part is in the gripper, and back.
+    /// let carried = gripper.inverse()?.compose(&part)?;
+    /// let again = gripper.compose(&carried)?;
+    /// assert!(again.apply(DVec3::ONE).distance(part.apply(DVec3::ONE)) < 1e-14);
+    /// # Ok::<(), dcd_geom::PoseError>(())
+    /// ```
+    pub fn inverse(&self) -> Result<Self, PoseError> {
+        let back = self.rotation.transpose();
+        Self::from_matrix(back, back * -self.translation)
+    }
+
     /// R·v + t, rounded.
     #[inline]
     pub fn apply(&self, v: DVec3) -> DVec3 {
@@ -284,5 +315,26 @@ mod tests {
     fn deviation_bounds_the_matrix_of_a_quaternion() {
         let pose = Pose::new(DQuat::from_xyzw(0.1, 0.2, 0.3, 0.4).normalize(), DVec3::ONE).unwrap();
         assert!(pose.deviation() < 1e-14 && pose.deviation() > 0.0);
+    }
+
+    #[test]
+    fn poses_are_composed_and_inverted_as_their_points_are_moved() {
+        let turns = [[0.1, -0.7, 0.3, 0.9], [0.5, 0.5, -0.5, 0.5], [0.0, 0.0, 0.0, 1.0]];
+        let places = [[3.0, -2.0, 0.25], [0.0, 1e3, -7.0], [1e-3, 0.0, 0.0]];
+        let point = DVec3::new(0.3, -1.1, 2.7);
+        for turn in turns.map(|q| DQuat::from_array(q).normalize()) {
+            for place in places.map(DVec3::from_array) {
+                let outer = Pose::new(turn, place).unwrap();
+                let inner = Pose::new(turn * turn, DVec3::new(0.4, 5.0, -1.0)).unwrap();
+                let both = outer.compose(&inner).unwrap();
+                let due = outer.apply(inner.apply(point));
+                assert!(both.apply(point).distance(due) < 1e-12, "{turn} {place}");
+                let back = outer.inverse().unwrap();
+                assert!(back.apply(outer.apply(point)).distance(point) < 1e-12, "{turn} {place}");
+                assert!(outer.apply(back.apply(point)).distance(point) < 1e-12, "{turn} {place}");
+            }
+        }
+        let far = Pose::from_translation(DVec3::X * 1e308).unwrap();
+        assert!(far.compose(&far).is_err());
     }
 }

@@ -63,7 +63,7 @@ pub enum Impact {
     Free,
     /// They meet, or come within the tolerance of each other.
     Hit {
-        /// Proved: they share no point before; 0 for shapes that touch as they stand.
+        /// Proved: they share no point before; 0 for shapes that touch as they stand. As late as `t`: the search ends where it knows no more.
         free_until: f64,
         /// A time, not before that, at which they touch or are within the tolerance of each other.
         t: f64,
@@ -71,7 +71,8 @@ pub enum Impact {
         touches: bool,
         /// From a to b at `t`, of unit length; zero where they touch.
         normal: DVec3,
-        /// The point of a nearest to b at `t`, but for the tolerance; world frame.
+        /// The point of a nearest to b at `t`, but for the tolerance; world frame. Zero where they touch, as is the other: where, say
+        /// [`Depths`](crate::Depths) and [`Manifolds`](crate::Manifolds) of the two as they stand then.
         point_a: DVec3,
         /// The point of b nearest to a, likewise.
         point_b: DVec3,

@@ -248,15 +248,17 @@ impl<N: NarrowPhase> Obstacles<N> {
         self.scene.set_pose(object, pose)?;
         let were_prepared = std::mem::replace(&mut self.is_prepared, false);
         self.search = OnceLock::new();
-        let Self { narrow, scene, frame, aabbs, .. } = self;
-        let part = narrow.layout(scene, Sides::Two, frame);
-        if were_prepared && narrow.keeps(&part) {
-            let (part, _) = part.split_at(object).1.split_at(1);
-            narrow.prepare(scene, object, part, &mut aabbs[object..=object]);
-        } else {
-            narrow.prepare(scene, 0, part, aabbs);
+        if were_prepared {
+            let Self { narrow, scene, frame, aabbs, .. } = self;
+            let part = narrow.layout(scene, Sides::Two, frame);
+            if narrow.keeps(&part) {
+                let (part, _) = part.split_at(object).1.split_at(1);
+                narrow.prepare(scene, object, part, &mut aabbs[object..=object]);
+                self.is_prepared = true;
+                return Ok(());
+            }
         }
-        self.is_prepared = true;
+        self.prepare(Exec::from(Par::Serial));
         Ok(())
     }
 

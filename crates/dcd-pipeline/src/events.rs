@@ -244,7 +244,7 @@ mod tests {
     #[test]
     fn a_scene_that_is_not_the_steps_is_refused_and_changes_nothing() {
         let sphere = Shape::sphere(0.5).unwrap();
-        let objects = [0.0, 0.5, 1.0].map(|x| Object::new(0, at(x)));
+        let objects = [0.0, 0.5, 1.25].map(|x| Object::new(0, at(x)));
         let mut scene = Scene::new(vec![sphere], objects).unwrap();
         let mut pipeline = AnyPipeline::new(Question::default()).unwrap();
         let (mut events, mut sensed) = (Events::default(), Events::default());

@@ -66,7 +66,9 @@ impl fmt::Display for QueryError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoStep => f.write_str("the pipeline has taken no step to query"),
-            Self::SceneChanged => f.write_str("the scene has changed since the last step"),
+            Self::SceneChanged => {
+                f.write_str("the scene has changed since the last step: step it again first")
+            }
             Self::BadNumber { what, index, value } => {
                 write!(f, "{what} {index} holds {value:e}, out of range")
             }

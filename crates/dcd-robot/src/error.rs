@@ -87,6 +87,13 @@ pub enum RobotError {
         /// Who uses it.
         user: String,
     },
+    /// There is no obstacle in that place.
+    NoSuchObstacle {
+        /// The place that was asked for.
+        place: usize,
+        /// How many there are.
+        obstacles: usize,
+    },
     /// Two have the same name.
     Twice {
         /// Of what.
@@ -217,6 +224,9 @@ impl fmt::Display for RobotError {
             Self::AtLine { line, error } => write!(f, "line {line}: {error}"),
             Self::AtState { state, error } => write!(f, "state {state}: {error}"),
             Self::Refused { user, why } => write!(f, "{user}: {why}"),
+            Self::NoSuchObstacle { place, obstacles } => {
+                write!(f, "no obstacle {place}: there are {obstacles} obstacles")
+            }
             Self::TooLarge { what, limit } => write!(f, "more than {limit} {what}"),
             Self::Forest { roots: [a, b] } => {
                 write!(f, "links {a:?} and {b:?} have no parent both: a robot has one root")

@@ -38,11 +38,11 @@ pub(super) fn obstacles(
         let own = checked(place).map_err(pose)?;
         let inner = match &object.pose {
             None => own,
-            Some(outer) => composed(&checked(outer).map_err(pose)?, &own).map_err(pose)?,
+            Some(outer) => checked(outer).map_err(pose)?.compose(&own).map_err(pose)?,
         };
         let in_world = match &outer {
             None => inner,
-            Some(outer) => composed(outer, &inner).map_err(pose)?,
+            Some(outer) => outer.compose(&inner).map_err(pose)?,
         };
         Ok(Obstacle { name: object.id.clone(), shape: shape?, pose: in_world })
     });
@@ -51,11 +51,6 @@ pub(super) fn obstacles(
 
 fn checked(place: &PoseMessage) -> Result<Pose, PoseError> {
     Pose::new(DQuat::from_array(place.orientation.0), DVec3::from_array(place.position.0))
-}
-
-pub(super) fn composed(outer: &Pose, inner: &Pose) -> Result<Pose, PoseError> {
-    let rotation = *outer.rotation() * *inner.rotation();
-    Pose::from_matrix(rotation, outer.apply(inner.translation()))
 }
 
 fn of_primitive(primitive: &SolidPrimitive, user: &str) -> Result<Shape, RobotError> {

@@ -5,7 +5,6 @@
 //! and each shape with its sizes, its pose and a colour, in newer files subframes; a line of a single `.`
 //! ends it.
 
-use super::objects::composed;
 use super::{Obstacle, RobotError, World, world};
 use dcd_geom::{Pose, Shape};
 use glam::{DQuat, DVec3};
@@ -62,7 +61,7 @@ fn object(lines: &mut Lines<'_>, name: &str, world: &mut World) -> Result<(), Ro
         let line = lines.line;
         let pose = match &outer {
             None => own,
-            Some(outer) => composed(outer, &own).map_err(|error| {
+            Some(outer) => outer.compose(&own).map_err(|error| {
                 RobotError::Pose { user: format!("object {name:?}"), error }.at_line(line)
             })?,
         };

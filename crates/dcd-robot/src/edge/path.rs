@@ -74,7 +74,7 @@ impl Extents {
 }
 
 impl JointPath {
-    /// Two of a straight path, four of a curve; a value for each of [`Robot::moved_joints`] in each.
+    /// Two of a straight path, four of a curve; a value for each of [`Robot::variables`] in each.
     pub fn control_points(&self) -> &[Vec<f64>] {
         match self {
             Self::Straight(ends) => ends,

@@ -2,7 +2,7 @@
 
 use super::{Workcell, obstacle_object, obstacle_user};
 use crate::{Obstacle, RobotError};
-use dcd_geom::{Pose, SceneError};
+use dcd_geom::Pose;
 use dcd_simd::prefetch;
 use std::ops::Range;
 
@@ -96,11 +96,10 @@ impl Workcell {
     /// The object of an obstacle.
     fn obstacle(&self, place: usize) -> Result<usize, RobotError> {
         let objects = self.obstacles();
-        let missing = SceneError::NoSuchObject { object: place, objects: objects.len() };
         if place < objects.len() {
             Ok(objects.start + place)
         } else {
-            Err(RobotError::Scene(missing))
+            Err(RobotError::NoSuchObstacle { place, obstacles: objects.len() })
         }
     }
 

@@ -65,8 +65,7 @@ impl<'a> Given<'a> {
 
 /// Where a part of a compound is, and how far that may be from where the compound has it.
 pub(in crate::query) fn place(whole: &Pose, part: &Part) -> Option<(Pose, f64)> {
-    let turned = *whole.rotation() * *part.pose.rotation();
-    let pose = Pose::from_matrix(turned, whole.apply(part.pose.translation())).ok()?;
+    let pose = whole.compose(&part.pose).ok()?;
     let reach = part.reach();
     let size = reach + part.pose.translation().length() + pose.translation().length();
     // Of a curved part that was moved the support map is what answers are given for.
