@@ -82,7 +82,7 @@ impl Facets {
     }
 
     /// The faces, and those of the same hull with what is hardly bent made level, where these are others and `levels` says so.
-    pub(crate) fn with_levelled(vertices: &[DVec3], levels: bool) -> (Self, Option<Box<Self>>) {
+    pub(crate) fn with_levelled(vertices: &[DVec3], levels: bool) -> (Self, Option<Self>) {
         let mut facets = Self::default();
         let mut levelled = None;
         match lattice::hull(vertices) {
@@ -105,8 +105,8 @@ impl Facets {
         (facets, levelled)
     }
 
-    fn levelled(vertices: &[DVec3], triangles: &[Triangle]) -> Box<Self> {
-        let mut levelled = Box::<Self>::default();
+    fn levelled(vertices: &[DVec3], triangles: &[Triangle]) -> Self {
+        let mut levelled = Self::default();
         levelled.unevenness = levelled.merge(vertices, triangles, LEVELLED);
         levelled.link(vertices.len());
         levelled

@@ -53,10 +53,25 @@ pub struct Polytope {
     obb: Option<Box<ObbBounds>>,
     reach: f64,
     blocks: Box<[Block]>,
-    /// The faces, and those that contacts show where these are others.
-    facets: OnceLock<(Facets, Option<Box<Facets>>)>,
+    facets: OnceLock<AllFacets>,
     planes: OnceLock<FacetPlanes>,
     feature_rows: OnceLock<Option<Box<FeatureRows>>>,
+}
+
+/// The faces, and those that contacts show.
+#[derive(Clone, Debug)]
+struct AllFacets {
+    /// By value: read far more often.
+    contact: Facets,
+    /// Where they are others.
+    exact: Option<Box<Facets>>,
+}
+
+impl AllFacets {
+    /// All of which contacts show.
+    fn alike(facets: Facets) -> Self {
+        Self { contact: facets, exact: None }
+    }
 }
 
 impl Polytope {
@@ -126,7 +141,7 @@ impl Polytope {
         let centre = Sphere::at_mean(&corners);
         let facets = Facets::of_polygon(corners.len(), normal);
         let polygon = Self::with_obb(Kind::Hull, corners, centre, None);
-        Ok(Self { facets: OnceLock::from((facets, None)), ..polygon })
+        Ok(Self { facets: OnceLock::from(AllFacets::alike(facets)), ..polygon })
     }
 
     /// Points in one plane: there is no sphere inside, and the centre is their mean.
@@ -251,7 +266,8 @@ impl Polytope {
     /// The faces of the core: computed at the first call, then shared by all objects, threads and frames.
     #[inline]
     pub fn facets(&self) -> &Facets {
-        &self.all_facets().0
+        let AllFacets { contact, exact } = self.all_facets();
+        exact.as_deref().unwrap_or(contact)
     }
 
     /// The faces that contacts show: those of [`Polytope::facets`], but that vertices within 1e-5 of the extent of a face's
@@ -259,12 +275,11 @@ impl Polytope {
     /// triangles there.
     #[inline]
     pub fn contact_facets(&self) -> &Facets {
-        let (facets, levelled) = self.all_facets();
-        levelled.as_deref().unwrap_or(facets)
+        &self.all_facets().contact
     }
 
     #[inline]
-    fn all_facets(&self) -> &(Facets, Option<Box<Facets>>) {
+    fn all_facets(&self) -> &AllFacets {
         match self.facets.get() {
             Some(facets) => facets,
             None => self.derived_facets(),
@@ -272,16 +287,19 @@ impl Polytope {
     }
 
     #[cold]
-    fn derived_facets(&self) -> &(Facets, Option<Box<Facets>>) {
+    fn derived_facets(&self) -> &AllFacets {
         let found = || match (self.kind, &*self.vertices) {
-            (Kind::Triangle, &[a, b, c]) => (Facets::of_triangle([a, b, c]), None),
+            (Kind::Triangle, &[a, b, c]) => AllFacets::alike(Facets::of_triangle([a, b, c])),
             (Kind::Cuboid { half_extents }, vertices) if is_thin(half_extents) => {
                 // A cube's faces have the same corners and normals. On a lattice those of a plate would be one.
                 let cube: Vec<DVec3> = vertices.iter().map(|vertex| vertex.signum()).collect();
-                (Facets::of(&cube), None)
+                AllFacets::alike(Facets::of(&cube))
             }
-            (Kind::Hull, vertices) => Facets::with_levelled(vertices, true),
-            _ => (Facets::of(&self.vertices), None),
+            (Kind::Hull, vertices) => match Facets::with_levelled(vertices, true) {
+                (exact, Some(contact)) => AllFacets { contact, exact: Some(Box::new(exact)) },
+                (exact, None) => AllFacets::alike(exact),
+            },
+            _ => AllFacets::alike(Facets::of(&self.vertices)),
         };
         self.facets.get_or_init(found)
     }
