@@ -18,6 +18,7 @@ use crate::closed::is_sphere;
 use crate::epa::Depth;
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
 use dcd_geom::{Kind, Polytope, Shape, SupportMap};
+use std::cell::OnceCell;
 
 /// Of more corners than these doubles are kept: what looks for them compares each with all, and of many corners the four are
 /// apart without it. Larger: objects with thousands of parts or triangles in one patch that take seconds. Not below 4.
@@ -250,6 +251,8 @@ impl Corners {
             whole: part.name(),
             has_corners: !matches!(part, Part::Vertex(_)),
             is_round: polytope.kind() == Kind::Point,
+            part,
+            seen: OnceCell::new(),
             polytope,
             placed,
         }
@@ -281,8 +284,7 @@ impl Corners {
             let before = self.len();
             let placed = Placed { rotation: &DMat3::IDENTITY, place: DVec3::ZERO, sense: 1.0 };
             let triangle = view.seen_triangle(part, &placed, (corners, radii[0]));
-            let seen = view.seen(facing.polytope, &facing.placed);
-            self.add_shared(&triangle, &seen, radii);
+            self.add_shared(&triangle, facing.seen(view), radii);
             self.drop_if_deeper(before, depth);
         }
         Some(whole)
@@ -379,11 +381,19 @@ pub(super) struct Facing<'a> {
     /// `None` also where the general way is needed.
     outline: Option<Outline>,
     is_round: bool,
+    part: Part<'a>,
+    /// What it shows, once that is needed.
+    seen: OnceCell<Seen<'a>>,
     polytope: &'a Polytope,
     placed: Placed<'a>,
 }
 
-impl Facing<'_> {
+impl<'a> Facing<'a> {
+    /// What it shows along the view of which it was made.
+    fn seen(&self, view: &View) -> &Seen<'a> {
+        self.seen.get_or_init(|| view.seen_part(self.part, self.polytope, &self.placed))
+    }
+
     /// Whether it is a sphere, which has no face and no edge.
     pub(super) fn is_round(&self) -> bool {
         self.is_round
