@@ -245,7 +245,7 @@ fn steps(scene: &mut RankScene<'_, Mpi>, mpi: &Mpi, par: Par, repeats: u32) -> S
         let after = mpi.traffic();
         traffic =
             Traffic { sent: after.sent - before.sent, received: after.received - before.received };
-        last = scene.detect(Exec::observed(par, &clock));
+        last = scene.detect(Exec::observed(par, &clock))?;
         let whole = begun.elapsed();
         let [boxes, build, pairs, narrow] = clock.take();
         times.push([exchanged, boxes, build, pairs, narrow, whole]);

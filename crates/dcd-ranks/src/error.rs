@@ -71,6 +71,8 @@ pub enum RankError {
         /// The body's name.
         body: u64,
     },
+    /// The ghosts are not those of the bodies as they stand.
+    NotRefreshed,
     /// Another rank's error.
     Elsewhere {
         /// Which rank's.
@@ -118,6 +120,9 @@ impl fmt::Display for RankError {
             Self::Scene { body, error } => write!(f, "object {body}: {error}"),
             Self::Pose { body, error } => write!(f, "object {body}: {error}"),
             Self::Elsewhere { rank, message } => write!(f, "rank {rank}: {message}"),
+            Self::NotRefreshed => {
+                write!(f, "bodies have moved, or are new, since the last refresh: refresh first")
+            }
             Self::NotOwned { body } => write!(f, "object {body} is not owned by this rank"),
             Self::Name { name } => write!(f, "object {name} is more than a u32 counts"),
         }

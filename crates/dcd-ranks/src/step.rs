@@ -21,7 +21,12 @@ const STEPS_A_CUT: u64 = 2;
 #[derive(Debug)]
 pub struct RankScene<'t, T> {
     transport: &'t T,
+    /// Those by which the ghosts are here.
     cuts: Cuts,
+    /// Those from the next refresh on.
+    next_cuts: Option<Cuts>,
+    /// Whether no body has moved since the ghosts were brought up to date.
+    is_refreshed: bool,
     local: Local,
     exchange: Exchange,
     pipeline: AnyPipeline,
@@ -81,6 +86,8 @@ impl<'t, T: Transport> RankScene<'t, T> {
         Ok(Self {
             transport,
             cuts,
+            next_cuts: None,
+            is_refreshed: false,
             local,
             exchange: Exchange::default(),
             pipeline,
@@ -130,7 +137,9 @@ impl<'t, T: Transport> RankScene<'t, T> {
     pub fn set_pose(&mut self, name: u64, pose: Pose) -> Result<(), RankError> {
         let owned = |slot: &usize| matches!(self.local.roles()[*slot], Role::Owned { .. });
         let slot = self.local.slot(name).filter(owned).ok_or(RankError::NotOwned { body: name })?;
-        self.local.set_pose(slot, pose)
+        self.local.set_pose(slot, pose)?;
+        self.is_refreshed = false;
+        Ok(())
     }
 
     /// Gives away the bodies that have left the region, and brings the ghosts up to date. Shapes are sent to
@@ -139,14 +148,27 @@ impl<'t, T: Transport> RankScene<'t, T> {
     /// # Errors
     /// A message that is none. The other ranks do not know of it: the program must end.
     pub fn refresh<'e>(&mut self, exec: impl Into<Exec<'e>>) -> Result<(), RankError> {
+        if let Some(cuts) = self.next_cuts.take() {
+            self.cuts = cuts;
+        }
+        self.is_refreshed = false;
         let region = self.cuts.region(self.transport.rank());
         self.local.make_boxes((&self.cuts, &region), self.grown, exec.into());
-        self.exchange.run(self.transport, &self.cuts, &mut self.local, self.grown)
+        self.exchange.run(self.transport, &self.cuts, &mut self.local, self.grown)?;
+        self.is_refreshed = true;
+        Ok(())
     }
 
     /// Finds the touching pairs that are this rank's to report: all ranks together report each once. Not
-    /// collective; the ghosts must be up to date.
-    pub fn detect<'e>(&mut self, exec: impl Into<Exec<'e>>) -> RankStep {
+    /// collective.
+    ///
+    /// # Errors
+    /// A body of this rank has moved since the last [`RankScene::refresh`], or there was none. Of another rank's bodies nothing is
+    /// known here: all ranks refresh where any has moved one.
+    pub fn detect<'e>(&mut self, exec: impl Into<Exec<'e>>) -> Result<RankStep, RankError> {
+        if !self.is_refreshed {
+            return Err(RankError::NotRefreshed);
+        }
         let exec = exec.into();
         let region = self.cuts.region(self.transport.rank());
         let (local, cuts) = (&self.local, &self.cuts);
@@ -171,7 +193,7 @@ impl<'t, T: Transport> RankScene<'t, T> {
         } else {
             found.contacts.extend(step.contacts().map(|(i, j)| named(local.names(), i, j)));
         }
-        found
+        Ok(found)
     }
 
     /// Cuts anew if the imbalance since the last cuts has cost more than that takes; then the next
@@ -192,7 +214,7 @@ impl<'t, T: Transport> RankScene<'t, T> {
         let slots: Vec<usize> = self.local.owned().collect();
         let boxes: Vec<Aabb> = slots.iter().map(|&slot| self.local.boxes()[slot]).collect();
         let names: Vec<u64> = slots.iter().map(|&slot| self.local.names()[slot]).collect();
-        self.cuts = cut(self.transport, &boxes, &names, Exec::from(Par::Serial));
+        self.next_cuts = Some(cut(self.transport, &boxes, &names, Exec::from(Par::Serial)));
         true
     }
 }

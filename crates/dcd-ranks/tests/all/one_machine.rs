@@ -5,7 +5,7 @@ use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Object, Pose, Scene, Shape, Support, SupportMap};
 use dcd_gjk::Accuracy;
 use dcd_io::{data, load_boxes};
-use dcd_pipeline::{Precision, Question};
+use dcd_pipeline::{Par, Precision, Question};
 use dcd_ranks::threads;
 use dcd_ranks::{Body, RankError, RankScene, Share, Transport, sort_contacts};
 use dcd_scenes::SceneSpec;
@@ -171,4 +171,49 @@ fn a_body_of_another_rank_is_not_moved() {
             .count()
     });
     assert_eq!(refused, [0, 0]);
+}
+
+#[test]
+fn what_is_detected_behind_new_cuts_and_before_a_refresh_is_whole_or_refused() {
+    const COUNT: u64 = 300;
+    // Those of small names move together, so that one rank comes to have most of the work.
+    let at = |name: u64, frame: i32| {
+        let squeezed = if name < COUNT / 3 { 0.99 * 0.5f64.powi(frame) } else { 0.99 };
+        Pose::from_translation(DVec3::X * (squeezed * name as f64)).unwrap()
+    };
+    let frames = 6;
+    let poses = (0..COUNT).map(|name| at(name, frames)).collect();
+    let ball = Shape::sphere(0.5).unwrap();
+    let scene = Scene::one_each(vec![ball.clone(); COUNT as usize], poses).unwrap();
+    let due = on_one_machine(&scene, CERTIFIED).contacts.len() as u64;
+    let found = threads::run(3, |rank| {
+        let names = (0..COUNT).filter(|k| k % 3 == rank.rank() as u64);
+        let bodies = names.map(|name| Body { name, shape: 0, pose: at(name, 0) }).collect();
+        let share = Share { shapes: vec![(0, ball.clone())], bodies };
+        let mut scene = RankScene::new(rank, share, CERTIFIED).unwrap();
+        let (mut cuts, mut refused) = (0, 0);
+        for frame in 1..=frames {
+            refused +=
+                usize::from(scene.detect(Par::Serial).err() == Some(RankError::NotRefreshed));
+            scene.refresh(Par::Serial).unwrap();
+            for name in scene.owned().map(|(name, _)| name).collect::<Vec<_>>() {
+                scene.set_pose(name, at(name, frame)).unwrap();
+            }
+            assert_eq!(scene.detect(Par::Serial).err(), Some(RankError::NotRefreshed));
+            scene.refresh(Par::Serial).unwrap();
+            let load = scene.detect(Par::Serial).unwrap().load;
+            if scene.balance(load) {
+                cuts += 1;
+                // As far as it has come.
+                let contacts = scene.detect(Par::Serial).unwrap().contacts;
+                let again = step(&mut scene).contacts;
+                let totals = [contacts, again].map(|found| sort_contacts(rank, found).total);
+                assert_eq!(totals[0], totals[1], "frame {frame}");
+            }
+        }
+        assert_eq!(refused, 1, "only before the first refresh");
+        let contacts = scene.detect(Par::Serial).unwrap().contacts;
+        (cuts, sort_contacts(rank, contacts).total)
+    });
+    assert!(found.iter().all(|&(cuts, total)| cuts > 0 && total == due), "{found:?}, {due}");
 }

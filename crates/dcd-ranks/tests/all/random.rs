@@ -163,7 +163,7 @@ impl Course {
                 scene.set_pose(name, poses[frame]).unwrap();
             }
             scene.refresh(Par::Serial).unwrap();
-            let step = scene.detect(Par::Serial);
+            let step = scene.detect(Par::Serial).unwrap();
             scene.balance(step.load);
             let contacts = step.contacts.into_iter().map(|pair| {
                 let [i, j] = pair.map(gathered);

@@ -59,7 +59,7 @@ pub(crate) fn on_one_machine(scene: &Scene, question: Question) -> Whole {
 
 pub(crate) fn step<T: Transport>(ranked: &mut RankScene<'_, T>) -> RankStep {
     ranked.refresh(Par::Serial).unwrap();
-    ranked.detect(Par::Serial)
+    ranked.detect(Par::Serial).unwrap()
 }
 
 /// That the steps' contacts are those of one machine, and how the load was spread.
