@@ -1,6 +1,6 @@
 //! Edges from a file, a line each, and a line of JSON for what is proved of them.
 
-use super::lines::{CellCache, Given, Proof, Question, Which, sorted_names};
+use super::lines::{CellCache, Given, Proof, Question, Refusal, Which, sorted_names};
 use super::picture::Picture;
 use dcd_robot::{
     AttachedObject, EdgeAnswer, EdgeChecker, EdgeRequest, Robot, RobotError, StateReader,
@@ -101,7 +101,7 @@ impl Question for Edges {
         given: &Given<'_>,
         checker: &mut CellCache<Kept>,
         edge: &EdgeRequest,
-    ) -> Result<Answer, RobotError> {
+    ) -> Result<Answer, Refusal> {
         let made = |attached: &_| {
             let checker = given.cell(attached).map(EdgeChecker::new)?;
             Ok(Kept { checker, cell: None })

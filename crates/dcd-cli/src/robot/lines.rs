@@ -58,7 +58,7 @@ pub(super) trait Question: Sync {
         given: &Given<'_>,
         checker: &mut Self::Checker,
         item: &Self::Item,
-    ) -> Result<Self::Answer, RobotError>;
+    ) -> Result<Self::Answer, Refusal>;
 
     /// What the robot carries in it.
     fn attached(item: &Self::Item) -> &Arc<[AttachedObject]>;
@@ -134,9 +134,26 @@ pub(super) fn sorted_names(cell: &Workcell, pair: (u32, u32)) -> [String; 2] {
     names
 }
 
-/// What is made for a robot that carries something, kept while lines say the same.
+/// Why a line was refused, in words.
+#[derive(Clone, Debug)]
+pub(super) struct Refusal(String);
+
+impl From<RobotError> for Refusal {
+    fn from(error: RobotError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// What is made for a robot that carries something, or why it is refused, kept while lines say the same.
 #[derive(Debug)]
-pub(super) struct CellCache<T>(Option<(Arc<[AttachedObject]>, T)>);
+pub(super) struct CellCache<T>(Option<Carrying<T>>);
+
+/// What is made for one load.
+#[derive(Debug)]
+struct Carrying<T> {
+    attached: Arc<[AttachedObject]>,
+    made: Result<T, Refusal>,
+}
 
 impl<T> Default for CellCache<T> {
     fn default() -> Self {
@@ -149,12 +166,13 @@ impl<T> CellCache<T> {
         &mut self,
         attached: &Arc<[AttachedObject]>,
         make: impl FnOnce(&[AttachedObject]) -> Result<T, RobotError>,
-    ) -> Result<&mut T, RobotError> {
+    ) -> Result<&mut T, Refusal> {
         let made = match self.0.take() {
-            Some((last, made)) if Arc::ptr_eq(&last, attached) => made,
-            _ => make(attached)?,
+            Some(last) if Arc::ptr_eq(&last.attached, attached) => last.made,
+            _ => make(attached).map_err(Refusal::from),
         };
-        Ok(&mut self.0.insert((Arc::clone(attached), made)).1)
+        let last = self.0.insert(Carrying { attached: Arc::clone(attached), made });
+        last.made.as_mut().map_err(|refusal| refusal.clone())
     }
 }
 
@@ -251,7 +269,7 @@ fn line_of<Q: Question>(
     let checked = item
         .as_ref()
         .map_err(String::clone)
-        .and_then(|item| question.check(given, checker, item).map_err(|error| error.to_string()));
+        .and_then(|item| question.check(given, checker, item).map_err(|Refusal(error)| error));
     let outcome = checked.map_or_else(
         |error| Outcome::Refused { error: format!("line {}: {error}", k + 1) },
         Outcome::Checked,
@@ -430,5 +448,30 @@ impl Given<'_> {
         let mut allowed = self.allowed.clone();
         allowed.extend(&world.allowed);
         Workcell::new(self.robot.clone(), &world, &allowed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_refused_for_a_load_is_not_made_again_while_lines_say_the_same() {
+        let (none, same): (Arc<[AttachedObject]>, _) = (Arc::default(), Arc::default());
+        let mut made = 0;
+        let mut cache = CellCache::<u32>::default();
+        let mut ask = |attached: &Arc<[AttachedObject]>, is_refused: bool| {
+            let found = cache.of(attached, |_| {
+                made += 1;
+                let error = RobotError::TooLarge { what: "pairs", limit: 7 };
+                if is_refused { Err(error) } else { Ok(made) }
+            });
+            (found.map(|number| *number).map_err(|Refusal(why)| why), made)
+        };
+        let refused = Err("more than 7 pairs".to_owned());
+        assert_eq!(ask(&none, true), (refused.clone(), 1));
+        assert_eq!(ask(&none, false), (refused, 1));
+        assert_eq!(ask(&same, false), (Ok(2), 2));
+        assert_eq!(ask(&same, true), (Ok(2), 2));
     }
 }

@@ -1,6 +1,6 @@
 //! States from a file, a line each, and a line of JSON for what is found.
 
-use super::lines::{CellCache, Given, Question, Which, sorted_names};
+use super::lines::{CellCache, Given, Question, Refusal, Which, sorted_names};
 use super::picture::Picture;
 use dcd_geom::Polytope;
 use dcd_pipeline::{Par, Pipeline};
@@ -166,7 +166,7 @@ impl Question for States {
         given: &Given<'_>,
         checker: &mut Checker,
         state: &State,
-    ) -> Result<Answer, RobotError> {
+    ) -> Result<Answer, Refusal> {
         let Checker { cell, pipeline } = checker;
         let kept = cell.of(&state.attached, |attached| given.cell(attached).map(Kept::of))?;
         // Refuses what no cell may be in.
