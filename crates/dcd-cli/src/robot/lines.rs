@@ -457,7 +457,8 @@ mod tests {
 
     #[test]
     fn what_is_refused_for_a_load_is_not_made_again_while_lines_say_the_same() {
-        let (none, same): (Arc<[AttachedObject]>, _) = (Arc::default(), Arc::default());
+        let load = || Arc::<[AttachedObject]>::from(Vec::new());
+        let (none, same) = (load(), load());
         let mut made = 0;
         let mut cache = CellCache::<u32>::default();
         let mut ask = |attached: &Arc<[AttachedObject]>, is_refused: bool| {
