@@ -90,7 +90,7 @@ impl Events {
         Ok(self.follow_pairs(scene, || step.contact_pairs(), exec.into()))
     }
 
-    /// The same of the pairs with a sensor ([`Step::sensor_pairs`]): what entered it, stayed and left. To be
+    /// The same of the pairs with a sensor ([`Step::sensor_pairs`](crate::Step::sensor_pairs)): what entered it, stayed and left. To be
     /// followed beside contacts, in a list of its own.
     ///
     /// # Errors
