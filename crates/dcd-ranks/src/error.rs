@@ -21,6 +21,11 @@ pub enum RankError {
         /// How many shapes there are.
         shapes: usize,
     },
+    /// Two shapes of one name.
+    TwoShapes {
+        /// The name.
+        shape: u64,
+    },
     /// Two bodies of one name.
     Twice {
         /// The name.
@@ -99,6 +104,7 @@ impl fmt::Display for RankError {
             Self::NoSuchShape { body, shape, shapes } => {
                 write!(f, "object {body}: there is no shape {shape} among {shapes}")
             }
+            Self::TwoShapes { shape } => write!(f, "shape {shape} is two different shapes"),
             Self::Twice { body } => write!(f, "object {body} is there twice"),
             Self::Unsupported { object, what } => {
                 write!(f, "object {object}: {what}, which ranks do not know of")

@@ -1,6 +1,7 @@
 //! What a rank brings along.
 
 use crate::balance::mixed;
+use crate::wire::Writer;
 use crate::{RankError, Transport};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Filter, HalfSpace, Motion, Pose, Scene, Shape};
@@ -94,6 +95,41 @@ pub(crate) fn check_names(transport: &impl Transport, names: &[u64]) -> Result<(
     seen.sort_unstable();
     let twice = seen.windows(2).find(|pair| pair[0] == pair[1]);
     agree(transport, twice.map_or(Ok(()), |pair| Err(RankError::Twice { body: pair[0] })))
+}
+
+/// That no name is that of two shapes, on whichever ranks: each name is looked at by one rank, by what its shapes' bytes come
+/// to. Collective.
+pub(crate) fn check_shapes(
+    transport: &impl Transport,
+    shapes: &[(u64, Shape)],
+) -> Result<(), RankError> {
+    let digest = |(name, shape): &(u64, Shape)| {
+        let mut bytes = Writer(Vec::new());
+        bytes.shape(*name, shape)?;
+        Ok((*name, bytes.0.chunks(8).fold(bytes.0.len() as u64, fold_digest)))
+    };
+    let digests = agree(transport, shapes.iter().map(digest).collect::<Result<Vec<_>, _>>())?;
+    let mut messages = vec![Vec::new(); transport.size()];
+    for (name, digest) in digests {
+        let judge = &mut messages[(mixed(name) % transport.size() as u64) as usize];
+        judge.extend([name, digest].iter().flat_map(|number| number.to_le_bytes()));
+    }
+    let messages = messages.into_iter().enumerate().filter(|(_, message)| !message.is_empty());
+    let mut seen: Vec<[u64; 2]> = Vec::new();
+    for (_, message) in transport.exchange(messages.collect()) {
+        let (numbers, _) = message.as_chunks::<8>();
+        let (entries, _) = numbers.as_chunks::<2>();
+        seen.extend(entries.iter().map(|entry| entry.map(u64::from_le_bytes)));
+    }
+    seen.sort_unstable();
+    let two = seen.windows(2).find(|two| two[0][0] == two[1][0] && two[0] != two[1]);
+    agree(transport, two.map_or(Ok(()), |two| Err(RankError::TwoShapes { shape: two[0][0] })))
+}
+
+/// A digest with up to eight more bytes.
+fn fold_digest(digest: u64, bytes: &[u8]) -> u64 {
+    let word = bytes.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
+    mixed(digest.rotate_left(23) ^ mixed(word))
 }
 
 /// What a box in the world is made of, of a shape.

@@ -2,7 +2,7 @@
 
 use crate::ghosts::Exchange;
 use crate::local::{Local, Role};
-use crate::share::{Bounds, agree, check_names};
+use crate::share::{Bounds, agree, check_names, check_shapes};
 use crate::wire::{Reader, Writer};
 use crate::{Cuts, Load, RankError, Share, Transport, cut};
 use dcd_exec::{Exec, Par};
@@ -58,7 +58,7 @@ impl<'t, T: Transport> RankScene<'t, T> {
     ///
     /// # Errors
     /// On all ranks if there is one on any: a question without error bounds, a margin that no pipeline takes, a
-    /// shape that no message holds, a body without a shape or out of range, two bodies of one name.
+    /// shape that no message holds, a body without a shape or out of range, two bodies or two shapes of one name.
     pub fn new(transport: &'t T, share: Share, question: Question) -> Result<Self, RankError> {
         let made = Self::prepared(question).and_then(|made| share.check().map(|()| made));
         let bounds = share
@@ -81,6 +81,7 @@ impl<'t, T: Transport> RankScene<'t, T> {
             .collect();
         let names: Vec<u64> = share.bodies.iter().map(|body| body.name).collect();
         check_names(transport, &names)?;
+        check_shapes(transport, &share.shapes)?;
         let cuts = cut(transport, &boxes, &names, Exec::from(Par::Serial));
         let local = agree(transport, send_to_owners(transport, &cuts, share, &boxes))?;
         Ok(Self {

@@ -13,6 +13,13 @@ impl Padding {
     /// is swept round a shape is scaled with it.
     pub(super) fn applied(&self, shape: &Shape) -> Result<Shape, ShapeError> {
         let Self { scale, padding, against_robot: _ } = *self;
+        // Written so that NaN is refused. Smaller shapes would miss what the link meets.
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(ShapeError::BadLength { what: "scale", value: scale });
+        }
+        if !(padding >= 0.0 && padding.is_finite()) {
+            return Err(ShapeError::BadLength { what: "padding", value: padding });
+        }
         match shape {
             Shape::Polytope(polytope) => match polytope.kind() {
                 Kind::Cuboid { half_extents } if polytope.swept_radius() == 0.0 => {

@@ -284,6 +284,8 @@ impl Robot {
             self.links.iter().map(|link| link.name.as_str()).zip(0..).collect();
         let mut parts = Vec::new();
         let mut known: std::collections::HashSet<&str> = links.keys().copied().collect();
+        // A robot of another cell may carry something already.
+        known.extend(self.parts.iter().filter_map(|part| part.object.as_deref()));
         for attached in &world.attached {
             let user = format!("attached object {:?}", attached.name);
             let Some(&link) = links.get(&*attached.link) else {

@@ -217,3 +217,34 @@ fn what_is_detected_behind_new_cuts_and_before_a_refresh_is_whole_or_refused() {
     });
     assert!(found.iter().all(|&(cuts, total)| cuts > 0 && total == due), "{found:?}, {due}");
 }
+
+#[test]
+fn two_shapes_of_one_name_are_refused_on_all_ranks() {
+    let ball = |radius: f64| Shape::sphere(radius).unwrap();
+    let body = |name: u64, shape: u32| Body {
+        name,
+        shape,
+        pose: Pose::from_translation(DVec3::X * (2.2 * name as f64)).unwrap(),
+    };
+    let new = |shapes: [Vec<(u64, Shape)>; 3]| {
+        threads::run(3, |rank| {
+            let shapes = shapes[rank.rank()].clone();
+            let bodies =
+                (0..shapes.len() as u32).map(|k| body(10 * rank.rank() as u64 + u64::from(k), k));
+            let share = Share { bodies: bodies.collect(), shapes };
+            RankScene::new(rank, share, CERTIFIED).err().map(|error| error.to_string())
+        })
+    };
+    let one = || vec![(7, ball(0.5))];
+    assert!(new([one(), one(), one()]).iter().all(Option::is_none));
+    // One shape may be listed twice.
+    assert!(new([vec![(7, ball(0.5)), (7, ball(0.5))], one(), one()]).iter().all(Option::is_none));
+    for shapes in [
+        [vec![(7, ball(0.5)), (7, ball(2.0))], one(), one()],
+        [one(), vec![(8, ball(2.0)), (7, ball(0.5f64.next_up()))], one()],
+    ] {
+        let found = new(shapes);
+        let says = |error: &String| error.contains("shape 7 is two different shapes");
+        assert!(found.iter().flatten().filter(|error| says(error)).count() == 3, "{found:?}");
+    }
+}
