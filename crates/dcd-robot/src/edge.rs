@@ -7,6 +7,7 @@
 //! on the acceleration, which lets a link slide along an obstacle (docs/numerics/proofs.md, "edges").
 
 mod bounding_volumes;
+mod by_mover;
 mod certificate;
 mod groups;
 mod path;
@@ -25,11 +26,13 @@ pub(super) use reach::Chain;
 use super::state_checker::covers::{Covers, is_one};
 use super::{Obstacle, Robot, RobotError, StateChecker, Workcell};
 use bounding_volumes::{BoundingVolumes, MOST_SPHERES};
+use by_mover::ByMover;
 use certificate::Pieces;
 use dcd_exec::Exec;
 use dcd_geom::Shape;
 use groups::Groups;
 use search::EdgeSearch;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// Rounds a bound up: far more than its sums and products lose in f64, relative. No unit. Smaller: bounds below the truth.
@@ -57,12 +60,27 @@ pub struct EdgeChecker {
     movers: Vec<Option<(usize, Chain)>>,
     /// For each of those.
     volumes: Vec<Arc<BoundingVolumes>>,
-    pairs: Vec<EdgePair>,
-    groups: Groups,
+    pairs: Arc<[EdgePair]>,
+    groups: Arc<Groups>,
+    /// The objects that stand still.
+    obstacles: Range<u32>,
+    /// For each of them.
+    still: Vec<Still>,
+    /// The same pairs by what moves, where obstacles are many.
+    by_mover: Option<ByMover>,
     /// For hits; none of more objects than it counts.
     states: Option<Arc<StateChecker>>,
     /// Of each object, once a certificate is wanted; or an object that has none.
     pieces: OnceLock<Result<Arc<[Pieces]>, usize>>,
+}
+
+/// What bounds the rounding of an obstacle's place.
+#[derive(Clone, Copy, Debug)]
+struct Still {
+    /// All lengths that go into its coordinates, metres.
+    length: f64,
+    /// [`Pose::deviation`](dcd_geom::Pose::deviation).
+    deviation: f64,
 }
 
 /// Two objects that may not touch, a moving one first.
@@ -71,6 +89,13 @@ struct EdgePair {
     objects: [u32; 2],
     /// How many moving joints carry both.
     common: u32,
+}
+
+/// The number of an object among those that move, or among those that do not.
+#[derive(Clone, Copy, Debug)]
+enum Number {
+    Moves(usize),
+    Still(usize),
 }
 
 /// Where a search ends that has found a hit.
@@ -232,8 +257,21 @@ impl EdgeChecker {
             }
         }
         let groups = Groups::of(robot, &mut movers, &mut volumes, &pairs);
+        let still = cell.obstacles().map(|i| {
+            let pose = &scene.poses()[i];
+            let length = volumes[i].reach + pose.translation().length();
+            Still { length, deviation: pose.deviation() }
+        });
+        let still = still.collect();
+        let is_many = states.as_ref().is_some_and(StateChecker::has_obstacle_tree);
+        let unbounded = cell.obstacles().filter(|&i| !volumes[i].whole.outer.is_finite());
+        let by_mover = || ByMover::of((&pairs, &groups), cell.obstacles(), unbounded.collect());
+        let by_mover = is_many.then(by_mover).filter(|by_mover| by_mover.len() > 0);
+        let obstacles = cell.obstacles();
+        let obstacles = obstacles.start as u32..obstacles.end as u32;
         let (states, pieces) = (states.map(Arc::new), OnceLock::new());
-        Self { movers, volumes, pairs, groups, states, pieces, cell }
+        let (pairs, groups) = (pairs.into(), Arc::new(groups));
+        Self { movers, volumes, pairs, groups, obstacles, still, by_mover, states, pieces, cell }
     }
 
     /// The work cell.
@@ -285,6 +323,19 @@ impl EdgeChecker {
             [i.min(j), i.max(j)]
         } else {
             [i.max(j), i.min(j)]
+        }
+    }
+
+    /// An obstacle's number, or that of what moves among all that does.
+    #[inline]
+    fn number(&self, object: u32) -> Number {
+        let Range { start, end } = self.obstacles;
+        if object < start {
+            Number::Moves(object as usize)
+        } else if object < end {
+            Number::Still((object - start) as usize)
+        } else {
+            Number::Moves((object - (end - start)) as usize)
         }
     }
 

@@ -34,7 +34,7 @@ pub use sensed::SensedHit;
 use crate::{Clearance, RobotError, Workcell};
 use covers::Covers;
 use dcd_exec::{Exec, PerThread, Segments};
-use dcd_geom::{Pair, SceneError};
+use dcd_geom::{Aabb, Pair, SceneError};
 use dcd_gjk::Verdict;
 use dcd_pipeline::{PairDecider, StaticWorld};
 use dcd_simd::Lanes;
@@ -208,6 +208,19 @@ impl StateChecker {
     /// The cell, its robot in whatever state.
     pub fn cell(&self) -> &Workcell {
         &self.prepared.cell
+    }
+
+    /// Whether obstacles are so many that a tree knows which are near.
+    pub(crate) fn has_obstacle_tree(&self) -> bool {
+        self.prepared.tree.is_some()
+    }
+
+    /// Lists which obstacles' boxes, as pairs of a box by its place and of an obstacle, by its place too, overlap which of these boxes, in any
+    /// order. None where no tree knows.
+    pub(crate) fn list_obstacles(&self, aabbs: &[Aabb], listed: &mut Vec<[u32; 2]>) -> Option<()> {
+        let Prepared { tree, aabbs: of, .. } = &self.prepared;
+        tree.as_ref()?.list_overlaps(aabbs, of, listed);
+        Some(())
     }
 
     /// Computes where the links are and nothing else: what every query begins with, for measurements.

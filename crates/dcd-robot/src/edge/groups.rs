@@ -8,6 +8,7 @@ use crate::kinematics::JointFrame;
 use crate::state_checker::covers::{CoverSphere, STRETCH};
 use glam::DVec3;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Pairs of what two links carry, or a link and one object.
@@ -15,13 +16,16 @@ use std::sync::Arc;
 pub(super) struct Group {
     /// Of the links, by numbers behind the objects', or the object.
     pub(super) pair: EdgePair,
-    pub(super) members: Vec<u32>,
+    /// Its members among those of all groups.
+    pub(super) members: Range<usize>,
 }
 
 /// The pairs, those of which there are several in groups.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Groups {
     pub(super) groups: Vec<Group>,
+    /// Pairs, group by group.
+    pub(super) members: Vec<u32>,
     /// The pairs that are in none.
     pub(super) single: Vec<u32>,
 }
@@ -71,12 +75,24 @@ impl Groups {
                 [one] => groups.single.push(one),
                 [first, ..] => {
                     let pair = EdgePair { objects, ..pairs[first as usize] };
-                    groups.groups.push(Group { pair, members });
+                    groups.add(pair, members);
                 }
                 [] => {}
             }
         }
         groups
+    }
+
+    /// Adds a group of these pairs.
+    pub(super) fn add(&mut self, pair: EdgePair, members: impl IntoIterator<Item = u32>) {
+        let first = self.members.len();
+        self.members.extend(members);
+        self.groups.push(Group { pair, members: first..self.members.len() });
+    }
+
+    /// A group's pairs.
+    pub(super) fn members_of(&self, group: &Group) -> &[u32] {
+        &self.members[group.members.clone()]
     }
 }
 

@@ -28,7 +28,7 @@ impl Twist {
     }
 }
 
-/// The robot at one t.
+/// The robot at one t of one path.
 #[derive(Default)]
 pub(super) struct PlaceOnPath {
     pub(super) t: f64,
@@ -49,8 +49,10 @@ impl PlaceOnPath {
         path: &JointPath,
         t: f64,
     ) -> Result<(), RobotError> {
+        if self.t == t && !self.poses.is_empty() {
+            return Ok(());
+        }
         let robot = checker.robot();
-        self.t = t;
         path.state_at(robot, t, &mut self.state);
         path.rates_at(t, &mut self.rates);
         self.frames = robot.link_frames(&self.state)?;
@@ -87,6 +89,7 @@ impl PlaceOnPath {
             self.axes.push(in_world);
             self.twists[joint.child] = twist;
         }
+        self.t = t;
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 
 mod bounds;
 mod distances;
+mod near;
 mod planes;
 mod slices;
 #[cfg(test)]
@@ -12,14 +13,17 @@ use super::path::JointPath;
 use super::place::{Local, PlaceOnPath, Twist};
 use super::reach::Lengths;
 use super::rows::PlacedRow;
-use super::{Before, Edge, EdgeAnswer, EdgeChecker, EdgeReason, ROUNDED_UP};
+use super::{
+    Before, Edge, EdgeAnswer, EdgeChecker, EdgePair, EdgeReason, Number, ROUNDED_UP, Still,
+};
 use crate::RobotError;
 use dcd_exec::Par;
 use dcd_geom::Pose;
 use dcd_gjk::PosedShape;
 use glam::DVec3;
-use slices::Slices;
+use slices::{Slices, Spheres};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// An interval is not halved below this length. No unit. Smaller: more intervals where shapes graze each
 /// other. Larger: gaps below a micrometre stay undecided.
@@ -46,8 +50,13 @@ pub(super) struct EdgeSearch<'a> {
     path: &'a JointPath,
     budget: usize,
     before: Before,
+    /// The pairs that are searched: all, or those that are not proved far from each other before.
+    pairs: Arc<[EdgePair]>,
+    groups: Arc<Groups>,
     /// For each object that moves what bounds its motion.
     movers: Vec<Mover>,
+    /// The same of obstacles.
+    still: Mover,
     /// For each pair the direction in which its gap was last found, in the frame of the joints that carry both;
     /// zero before.
     directions: Vec<DVec3>,
@@ -65,10 +74,12 @@ pub(super) struct EdgeSearch<'a> {
     /// The pairs of all nodes on the stack; groups of pairs by numbers behind those of all pairs.
     open: Vec<u32>,
     slices: Slices,
+    /// What the slices are to be computed from, if it is known.
+    spheres: Option<Spheres>,
     is_even: bool,
 }
 
-/// An object that moves; empty for obstacles.
+/// An object that moves.
 #[derive(Default)]
 struct Mover {
     lengths: Lengths,
@@ -129,7 +140,10 @@ impl<'a> EdgeSearch<'a> {
     ) -> Self {
         let extents = path.extents(checker.robot());
         let is_even = matches!(path, JointPath::Straight(_));
-        let movers = checker.movers.iter().map(|mover| {
+        let obstacles = checker.cell.obstacles();
+        let (before_them, behind_them) =
+            (&checker.movers[..obstacles.start], &checker.movers[obstacles.end..]);
+        let movers = before_them.iter().chain(behind_them).map(|mover| {
             let Some((_, chain)) = mover else { return Mover::default() };
             let lengths = chain.lengths(&extents);
             let (mut turns, mut changes) = (0.0, 0.0);
@@ -144,22 +158,17 @@ impl<'a> EdgeSearch<'a> {
             let length = 3.0 * lengths.length;
             Mover { before, length, turns, lengths, ..Mover::default() }
         });
-        let mut movers: Vec<Mover> = movers.collect();
-        let scene = checker.cell.scene();
-        for (i, obstacle) in movers.iter_mut().enumerate().take(scene.len()) {
-            if checker.movers[i].is_none() {
-                let pose = &scene.poses()[i];
-                obstacle.length = checker.volumes[i].reach + pose.translation().length();
-                obstacle.deviation = pose.deviation();
-            }
-        }
+        let movers: Vec<Mover> = movers.collect();
         Self {
             movers,
+            still: Mover::default(),
+            pairs: checker.pairs.clone(),
+            groups: checker.groups.clone(),
             checker,
             path,
             budget,
             before,
-            directions: vec![DVec3::ZERO; checker.pairs.len()],
+            directions: Vec::new(),
             nearest: f64::INFINITY,
             clearance: f64::INFINITY,
             nodes: 0,
@@ -170,6 +179,7 @@ impl<'a> EdgeSearch<'a> {
             shortest: SHORTEST,
             open: Vec::new(),
             slices: Slices::default(),
+            spheres: None,
             is_even,
         }
     }
@@ -179,11 +189,14 @@ impl<'a> EdgeSearch<'a> {
         if self.hit.is_some() && self.before == Before::Anything {
             return Ok(self.edge());
         }
-        let Groups { groups, single } = &self.checker.groups;
-        let pairs = self.checker.pairs.len() as u32;
-        self.open.extend((pairs..).take(groups.len()));
-        self.open.extend(single);
         let end = self.hit.map_or(1.0, |(t, _)| t);
+        if end > 0.0 && self.budget > 0 {
+            self.keep_near_pairs(end)?;
+        }
+        self.begin_directions();
+        let pairs = self.pairs.len() as u32;
+        self.open.extend((pairs..).take(self.groups.groups.len()));
+        self.open.extend(&self.groups.single);
         let mut stack = Vec::new();
         if end > 0.0 {
             if self.hit.is_some() {
@@ -215,6 +228,11 @@ impl<'a> EdgeSearch<'a> {
             }
         }
         Ok(self.edge())
+    }
+
+    /// Nothing is known yet of the pairs.
+    fn begin_directions(&mut self) {
+        self.directions.resize(self.pairs.len(), DVec3::ZERO);
     }
 
     /// Looks for a hit at a few states.
@@ -260,8 +278,9 @@ impl<'a> EdgeSearch<'a> {
 
     fn leave(&mut self, node: &Node, reason: EdgeReason) {
         let open = self.open.get(node.pairs.start);
-        let pair = open.map(|&open| self.group(open).map_or(open, |group| group.members[0]));
-        let pair = pair.map(|pair| self.checker.pairs[pair as usize].objects);
+        let first = |group: &Group| self.groups.members_of(group)[0];
+        let pair = open.map(|&open| self.group(open).map_or(open, first));
+        let pair = pair.map(|pair| self.pairs[pair as usize].objects);
         // The stack gives them in the order of t.
         if let (None, Some(pair)) = (&self.left, pair) {
             self.left = Some(([node.from, node.to], pair, reason));
@@ -280,6 +299,34 @@ impl<'a> EdgeSearch<'a> {
             (None, None) => (EdgeAnswer::Free { clearance: self.clearance }, 1.0),
         };
         Edge { answer, free_until, nodes }
+    }
+
+    #[inline]
+    fn mover(&self, object: u32) -> &Mover {
+        match self.checker.number(object) {
+            Number::Moves(number) => &self.movers[number],
+            Number::Still(_) => &self.still,
+        }
+    }
+
+    /// That of an object that moves.
+    fn mover_mut(&mut self, object: u32) -> Option<&mut Mover> {
+        match self.checker.number(object) {
+            Number::Moves(number) => self.movers.get_mut(number),
+            Number::Still(_) => None,
+        }
+    }
+
+    /// What bounds the rounding of an object's place.
+    #[inline]
+    fn place_of(&self, object: u32) -> Still {
+        match self.checker.number(object) {
+            Number::Moves(number) => {
+                let Mover { length, deviation, .. } = self.movers[number];
+                Still { length, deviation }
+            }
+            Number::Still(number) => self.checker.still[number],
+        }
     }
 
     fn pose(&self, object: u32) -> &Pose {
@@ -335,9 +382,9 @@ impl<'a> EdgeSearch<'a> {
     }
 
     /// The group that is open by that number, if it is none of a pair.
-    fn group(&self, open: u32) -> Option<&'a Group> {
-        let number = (open as usize).checked_sub(self.checker.pairs.len())?;
-        self.checker.groups.groups.get(number)
+    fn group(&self, open: u32) -> Option<&Group> {
+        let number = (open as usize).checked_sub(self.pairs.len())?;
+        self.groups.groups.get(number)
     }
 
     /// Adds to what is open what of a pair or a group is not proved.
@@ -345,12 +392,13 @@ impl<'a> EdgeSearch<'a> {
         if self.slices.prove(open, slices) {
             return;
         }
-        let Some(group) = self.group(open) else { return self.take_up_pair(open) };
-        match self.reach_of(group) {
+        let Some(group) = self.group(open).cloned() else { return self.take_up_pair(open) };
+        match self.reach_of(&group) {
             Reach::Beyond => {}
             Reach::Moves => self.open.push(open),
             Reach::Near => {
-                for &pair in &group.members {
+                for member in group.members {
+                    let pair = self.groups.members[member];
                     if !self.slices.prove(pair, slices) {
                         self.take_up_pair(pair);
                     }
@@ -383,7 +431,11 @@ impl<'a> EdgeSearch<'a> {
 
     /// About how far two objects are, for an order.
     fn far(&self, open: u32) -> f64 {
-        let pair = self.group(open).map_or_else(|| self.checker.pairs[open as usize], |g| g.pair);
+        let pair = self.group(open).map_or_else(|| self.pairs[open as usize], |g| g.pair);
+        self.far_pair(&pair)
+    }
+
+    fn far_pair(&self, pair: &EdgePair) -> f64 {
         let [a, b] = pair.objects;
         let [in_a, in_b] = [a, b].map(|object| {
             let whole = &self.checker.volumes[object as usize].whole;
@@ -416,7 +468,7 @@ impl<'a> EdgeSearch<'a> {
     /// Whether the pair is proved apart for half of the node to either side of where the robot is now, by as much as a
     /// clearance needs.
     fn is_proved(&mut self, pair: u32) -> bool {
-        let edge_pair = self.checker.pairs[pair as usize];
+        let edge_pair = self.pairs[pair as usize];
         let [a, b] = edge_pair.objects;
         self.update(a);
         self.update(b);

@@ -96,6 +96,17 @@ impl ObstacleTree {
         }
     }
 
+    /// Lists which boxes overlap those of which obstacles, as pairs of both places.
+    pub(super) fn list_overlaps(&self, aabbs: &[Aabb], of: &[Aabb], listed: &mut Vec<[u32; 2]>) {
+        let mut pairs = Vec::new();
+        for (first, few) in (0..).step_by(WIDTH).zip(aabbs.chunks(WIDTH)) {
+            let mut sixteen = [Aabb::EMPTY; WIDTH];
+            sixteen[..few.len()].copy_from_slice(few);
+            self.find_overlaps(&sixteen, of, &mut pairs);
+            listed.extend(pairs.iter().map(|pair| [first + (pair.j - self.names[0]), pair.i]));
+        }
+    }
+
     /// Finds each obstacle whose box overlaps one of sixteen boxes, with the name of that one, by the order of the obstacles.
     fn find_overlaps(&self, aabbs: &[Aabb; WIDTH], of: &[Aabb], pairs: &mut Vec<Pair>) {
         pairs.clear();

@@ -3,7 +3,7 @@
 use super::super::bounding_volumes::Support;
 use super::super::place::{Near, Twist};
 use super::super::rows::RowMotion;
-use super::super::{EdgePair, ROUNDED_UP};
+use super::super::{EdgePair, Number, ROUNDED_UP, Still};
 use super::{BySpheres, EdgeSearch, Gaps};
 use glam::DVec3;
 
@@ -23,11 +23,13 @@ impl EdgeSearch<'_> {
     pub(super) fn update(&mut self, object: u32) {
         let i = object as usize;
         let Some((part, chain)) = &self.checker.movers[i] else { return };
-        let mover = &mut self.movers[i];
-        if mover.node == self.nodes {
+        let (nodes, half, is_even) = (self.nodes, self.half, self.is_even);
+        let Number::Moves(number) = self.checker.number(object) else { return };
+        let mover = &mut self.movers[number];
+        if mover.node == nodes {
             return;
         }
-        mover.node = self.nodes;
+        mover.node = nodes;
         let volumes = &self.checker.volumes[i];
         let pose = &self.at.poses[*part];
         let stretch = 1.0 + 1e-9 + 4.0 * pose.deviation();
@@ -41,8 +43,8 @@ impl EdgeSearch<'_> {
             middle: mover.middle,
             radius: volumes.turning * stretch + mover.lengths.deviation + ROUNDING * mover.length,
             twist: mover.twist,
-            half: self.half,
-            is_even: self.is_even,
+            half,
+            is_even,
         };
         mover.local.set(self.checker, &self.at, &near);
     }
@@ -50,10 +52,10 @@ impl EdgeSearch<'_> {
     /// Where a moving object's spheres are.
     fn update_cover(&mut self, object: u32) {
         let i = object as usize;
-        if self.movers[i].cover_node == self.nodes {
+        let mover = self.mover(object);
+        if mover.cover_node == self.nodes {
             return;
         }
-        let mover = &self.movers[i];
         let volumes = &self.checker.volumes[i];
         let motion = RowMotion {
             base: self.checker.robot().base.translation,
@@ -64,25 +66,27 @@ impl EdgeSearch<'_> {
             most: self.half * mover.local.speed[0],
         };
         let placed = volumes.cover.place(self.pose(object), &motion);
-        let mover = &mut self.movers[i];
-        (mover.cover, mover.cover_node) = (placed, self.nodes);
+        let nodes = self.nodes;
+        if let Some(mover) = self.mover_mut(object) {
+            (mover.cover, mover.cover_node) = (placed, nodes);
+        }
     }
 
     /// How far two objects may move to each other: against the frame of the joints that carry both.
     pub(super) fn moved(&self, pair: &EdgePair) -> f64 {
-        let [a, b] = pair.objects.map(|object| object as usize);
-        if self.checker.movers[b].is_none() {
-            return self.movers[a].local.moved;
+        let [a, b] = pair.objects;
+        if self.checker.movers[b as usize].is_none() {
+            return self.mover(a).local.moved;
         }
         let common = pair.common as usize;
-        let speed = |i: usize| self.movers[i].local.speed[common];
+        let speed = |object: u32| self.mover(object).local.speed[common];
         let mut moved = self.half * (speed(a) + speed(b));
         let base = self.checker.robot().base.translation;
         let carrier = self.carrier(pair);
-        let [in_a, in_b] = [a, b].map(|i| {
-            let mover = &self.movers[i];
+        let [in_a, in_b] = [a, b].map(|object| {
+            let mover = self.mover(object);
             let twist = mover.twist.from(&carrier);
-            let radius = self.checker.volumes[i].turning + mover.lengths.deviation;
+            let radius = self.checker.volumes[object as usize].turning + mover.lengths.deviation;
             (twist.of(mover.middle - base), radius * twist.turn.length())
         });
         let now = (in_a.0 - in_b.0).length() + in_a.1 + in_b.1;
@@ -98,7 +102,7 @@ impl EdgeSearch<'_> {
     /// How large the accelerations of both are together at most.
     pub(super) fn change(&self, pair: &EdgePair) -> f64 {
         let change = |object: u32| {
-            let local = &self.movers[object as usize].local;
+            let local = &self.mover(object).local;
             local.acceleration.get(pair.common as usize).copied().unwrap_or(0.0)
         };
         change(pair.objects[0]) + change(pair.objects[1])
@@ -106,22 +110,22 @@ impl EdgeSearch<'_> {
 
     /// What coordinates and velocities of both lose in f64.
     pub(super) fn slack(&self, pair: &EdgePair) -> f64 {
-        let deviations = pair.objects.map(|object| self.movers[object as usize].deviation);
-        self.slack_of(pair, deviations, self.half)
+        let places = pair.objects.map(|object| self.place_of(object));
+        self.slack_of(pair, places, self.half)
     }
 
-    /// The same with those deviations of both poses, in intervals of half that length.
-    pub(super) fn slack_of(&self, pair: &EdgePair, deviations: [f64; 2], half: f64) -> f64 {
-        let [a, b] = pair.objects.map(|object| &self.movers[object as usize]);
-        let lengths = a.length + b.length;
+    /// The same with both places known so, in intervals of half that length.
+    pub(super) fn slack_of(&self, pair: &EdgePair, [at_a, at_b]: [Still; 2], half: f64) -> f64 {
+        let [a, b] = pair.objects.map(|object| self.mover(object));
+        let lengths = at_a.length + at_b.length;
         let turned = a.lengths.turned + b.lengths.turned;
-        let relative = ROUNDING + turned + 4.0 * (deviations[0] + deviations[1]);
+        let relative = ROUNDING + turned + 4.0 * (at_a.deviation + at_b.deviation);
         relative * lengths * (1.0 + half * (8.0 + a.turns + b.turns))
     }
 
     /// What its poses may be off by, twice: where the gap is found, and where it is relied on.
     pub(super) fn off(&self, pair: &EdgePair) -> f64 {
-        let of = |object: u32| 2.0 * self.movers[object as usize].lengths.deviation;
+        let of = |object: u32| 2.0 * self.mover(object).lengths.deviation;
         of(pair.objects[0]) + of(pair.objects[1])
     }
 
@@ -132,10 +136,10 @@ impl EdgeSearch<'_> {
         let whole_a = self.checker.volumes[in_a].whole.outer;
         let whole_b = self.checker.volumes[in_b].whole.outer;
         let moved = self.moved(edge_pair);
-        let middle = self.movers[in_a].middle;
+        let middle = self.mover(a).middle;
         let other = self.checker.movers[in_b].is_some();
         if other {
-            let between = self.movers[in_b].middle - middle;
+            let between = self.mover(b).middle - middle;
             let margin = between.length() - whole_a - whole_b - moved - off;
             if self.suffices(margin) || !margin.is_finite() {
                 return BySpheres { margin, upper: f64::INFINITY, direction: between };
@@ -147,7 +151,7 @@ impl EdgeSearch<'_> {
             }
             self.update_cover(a);
             self.update_cover(b);
-            let (placed, other_placed) = (&self.movers[in_a].cover, &self.movers[in_b].cover);
+            let (placed, other_placed) = (&self.mover(a).cover, &self.mover(b).cover);
             let found = row.against_row(placed, (other, other_placed));
             let margin = margin.max(found.least - moved - off);
             return BySpheres { margin, upper: found.upper + off, direction: found.direction };
@@ -177,7 +181,7 @@ impl EdgeSearch<'_> {
         }
         self.update_cover(a);
         let pose = self.pose(b);
-        let found = cover.against_solid(&self.movers[in_a].cover, (solid, pose));
+        let found = cover.against_solid(&self.mover(a).cover, (solid, pose));
         let upper = upper(found.upper);
         BySpheres { margin: margin.max(found.least - off), upper, direction: found.direction }
     }
@@ -195,7 +199,7 @@ impl EdgeSearch<'_> {
         // At either end, how far an object reaches towards the other.
         let far = |i: u32, support: &Support, side: f64| {
             let twist = match &self.checker.movers[i as usize] {
-                Some(_) => self.movers[i as usize].twist.from(&carrier),
+                Some(_) => self.mover(i).twist.from(&carrier),
                 // Obstacles stand still; what carries both is still too, as seen from it.
                 None => Twist::default(),
             };

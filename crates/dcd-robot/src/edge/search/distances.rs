@@ -8,7 +8,7 @@ impl EdgeSearch<'_> {
     /// [`is_proved_by_distance`](Self::is_proved_by_distance) where a mesh's hull proves the pair apart, or will do so on a
     /// shorter interval; `None` where the mesh itself is needed.
     fn is_proved_by_hulls(&mut self, pair: u32, carried: Option<glam::DMat3>) -> Option<bool> {
-        let edge_pair = self.checker.pairs[pair as usize];
+        let edge_pair = self.pairs[pair as usize];
         let hulls =
             edge_pair.objects.map(|object| self.checker.volumes[object as usize].hull.as_ref());
         if hulls.iter().all(Option::is_none) {
@@ -36,7 +36,7 @@ impl EdgeSearch<'_> {
         pair: u32,
         carried: Option<glam::DMat3>,
     ) -> bool {
-        let edge_pair = self.checker.pairs[pair as usize];
+        let edge_pair = self.pairs[pair as usize];
         if let Some(is_proved) = self.is_proved_by_hulls(pair, carried) {
             return is_proved;
         }

@@ -68,18 +68,19 @@ impl<'a> EdgeSearch<'a> {
         pieces: &[Pieces],
         needed: f64,
     ) -> Result<Vec<CertifiedPair>, RobotError> {
-        let pairs = self.checker.pairs.len();
+        let pairs = self.pairs.len();
         let found = vec![Vec::new(); pairs];
-        let mut planes = PathPlanes { search: self, pieces, needed, hulls: Hulls::new(), found };
+        let mut search = self;
+        search.begin_directions();
+        let mut planes = PathPlanes { search, pieces, needed, hulls: Hulls::new(), found };
         planes.run()?;
         let PathPlanes { search, found, .. } = planes;
         let links = search.checker.robot().links();
-        let certified =
-            search.checker.pairs.iter().zip(found).map(|(pair, planes)| CertifiedPair {
-                objects: pair.objects,
-                frame: search.common(pair).map(|link| links[link].name.clone()),
-                planes,
-            });
+        let certified = search.pairs.iter().zip(found).map(|(pair, planes)| CertifiedPair {
+            objects: pair.objects,
+            frame: search.common(pair).map(|link| links[link].name.clone()),
+            planes,
+        });
         Ok(certified.collect())
     }
 }
@@ -87,10 +88,10 @@ impl<'a> EdgeSearch<'a> {
 impl PathPlanes<'_, '_> {
     fn run(&mut self) -> Result<(), RobotError> {
         let all = |pair: u32| {
-            let objects = self.search.checker.pairs[pair as usize].objects;
+            let objects = self.search.pairs[pair as usize].objects;
             Open { pair, pieces: objects.map(|i| self.pieces[i as usize].all()) }
         };
-        let pairs = self.search.checker.pairs.len() as u32;
+        let pairs = self.search.pairs.len() as u32;
         let mut stack = vec![([0.0, 1.0], (0..pairs).map(all).collect::<Vec<Open>>())];
         while let Some((t, open)) = stack.pop() {
             let Some(first) = open.first() else { continue };
@@ -110,7 +111,7 @@ impl PathPlanes<'_, '_> {
     }
 
     fn refused(&self, open: &Open, t: [f64; 2], is_spent: bool) -> RobotError {
-        let pair = self.search.checker.pairs[open.pair as usize].objects;
+        let pair = self.search.pairs[open.pair as usize].objects;
         let [a, b] = self.search.checker.cell.names_of(pair.into());
         let why = if is_spent { "the budget of intervals is spent" } else { "no plane parts them" };
         let why = format!("{why}, t from {} to {}", t[0], t[1]);
@@ -142,7 +143,7 @@ impl PathPlanes<'_, '_> {
     }
 
     fn plane(&mut self, open: &Open, t: [f64; 2]) -> Found {
-        let edge_pair = self.search.checker.pairs[open.pair as usize];
+        let edge_pair = self.search.pairs[open.pair as usize];
         let [a, b] = edge_pair.objects;
         self.search.update(a);
         self.search.update(b);
@@ -212,7 +213,7 @@ impl PathPlanes<'_, '_> {
         let Heights { first, last } = self.heights(open, edge_pair, n);
         let half = self.search.half;
         let changes = edge_pair.objects.map(|object| {
-            let local = &self.search.movers[object as usize].local;
+            let local = &self.search.mover(object).local;
             let most = local.acceleration.get(edge_pair.common as usize).copied();
             0.5 * half * half * most.unwrap_or(0.0) * ROUNDED_UP
         });
@@ -248,8 +249,8 @@ impl PathPlanes<'_, '_> {
     /// How far a body may be from where f64 has it, and what its height loses.
     fn lost(&self, edge_pair: &EdgePair) -> f64 {
         let of = |object: u32| {
-            let mover = &self.search.movers[object as usize];
-            mover.lengths.deviation + LOST * mover.length
+            let deviation = self.search.mover(object).lengths.deviation;
+            deviation + LOST * self.search.place_of(object).length
         };
         of(edge_pair.objects[0]) + of(edge_pair.objects[1])
     }
@@ -263,7 +264,7 @@ impl PathPlanes<'_, '_> {
             let object = edge_pair.objects[k];
             let (pose, pieces) = (search.pose(object), &self.pieces[object as usize]);
             let twist = match &search.checker.movers[object as usize] {
-                Some(_) => search.movers[object as usize].twist.from(&carrier),
+                Some(_) => search.mover(object).twist.from(&carrier),
                 None => Twist::default(),
             };
             // n·(ω × p) is p·(n × ω).

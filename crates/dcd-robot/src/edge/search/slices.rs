@@ -7,11 +7,13 @@ mod kernels;
 mod tests;
 
 use super::super::bounding_volumes::BoundingVolumes;
-use super::super::{EdgePair, ROUNDED_UP};
-use super::{EdgeSearch, Node};
+use super::super::{EdgePair, Number, ROUNDED_UP};
+use super::bounds::ROUNDING;
+use super::{EdgeSearch, Mover, Node};
 use crate::state_checker::link_frames::{HALF, LinkFrames, Numbers, PlaceFrames};
 use dcd_geom::Pose;
 use dcd_simd::{WIDTH, dispatch};
+use glam::DVec3;
 use kernels::{BetweenSpheres, Moved, PlaceSphere, ToSolid, Twists};
 
 /// A number of each slice.
@@ -74,9 +76,12 @@ struct SphereRow {
 }
 
 /// The spheres of what moves, as they are needed.
-struct Spheres {
+pub(super) struct Spheres {
+    /// Where the last slice ends.
+    end: f64,
     frames: LinkFrames,
     twists: Vec<TwistRow>,
+    /// For each object that moves.
     rows: Vec<Option<SphereRow>>,
 }
 
@@ -92,20 +97,22 @@ struct Asked {
 impl EdgeSearch<'_> {
     /// Compares all pairs in sixteen slices of the path until there: whether each is apart by more than `nearest`. None where
     /// some link is out of range.
-    pub(super) fn slice(&self, end: f64, nearest: f64) -> Option<Slices> {
-        let asked = Asked { half: 0.5 * end / WIDTH as f64 * ROUNDED_UP, nearest };
-        let mut spheres = self.spheres(end)?;
-        let checker = self.checker;
-        let mut open = vec![u16::MAX; checker.pairs.len()];
-        for &pair in &checker.groups.single {
-            let edge_pair = &checker.pairs[pair as usize];
+    pub(super) fn slice(&mut self, end: f64, nearest: f64) -> Option<Slices> {
+        let asked = Asked { half: Self::half_slice(end), nearest };
+        let mut spheres = match self.spheres.take().filter(|spheres| spheres.end == end) {
+            Some(spheres) => spheres,
+            None => self.spheres(end)?,
+        };
+        let mut open = vec![u16::MAX; self.pairs.len()];
+        for &pair in &self.groups.single {
+            let edge_pair = &self.pairs[pair as usize];
             open[pair as usize] = self.open_slices(&mut spheres, edge_pair, asked)?;
         }
-        for group in &checker.groups.groups {
+        for group in &self.groups.groups {
             let of_group = self.open_slices(&mut spheres, &group.pair, asked)?;
             open.push(of_group);
-            for &pair in &group.members {
-                let edge_pair = &checker.pairs[pair as usize];
+            for &pair in self.groups.members_of(group) {
+                let edge_pair = &self.pairs[pair as usize];
                 open[pair as usize] = match of_group {
                     0 => 0,
                     _ => of_group & self.open_slices(&mut spheres, edge_pair, asked)?,
@@ -116,7 +123,7 @@ impl EdgeSearch<'_> {
     }
 
     /// Where the links are; none where some are out of range.
-    fn spheres(&self, end: f64) -> Option<Spheres> {
+    pub(super) fn spheres(&self, end: f64) -> Option<Spheres> {
         let robot = self.checker.robot();
         let (mut states, mut rates) = (Vec::with_capacity(WIDTH), Vec::new());
         let mut at_middle = Vec::new();
@@ -141,16 +148,21 @@ impl EdgeSearch<'_> {
         let to = &mut twists[..];
         dispatch(Twists { robot, path: self.path, rates: &rates, frames: &frames, to });
         let rows = self.movers.iter().map(|_| None).collect();
-        (0..WIDTH).all(|k| frames.is_finite(k)).then_some(Spheres { frames, twists, rows })
+        (0..WIDTH).all(|k| frames.is_finite(k)).then_some(Spheres { end, frames, twists, rows })
     }
 
     /// Finds the sphere of what moves; none where it cannot be placed.
-    fn place_sphere(&self, object: usize, spheres: &mut Spheres) -> Option<()> {
-        let Some((part, chain)) = &self.checker.movers[object] else { return Some(()) };
-        if spheres.rows[object].is_some() {
+    pub(super) fn place_sphere(&self, object: u32, spheres: &mut Spheres) -> Option<()> {
+        let number = self.checker.number(object);
+        let (Some((part, chain)), Number::Moves(number)) =
+            (&self.checker.movers[object as usize], number)
+        else {
+            return Some(());
+        };
+        if spheres.rows[number].is_some() {
             return Some(());
         }
-        let (robot, whole) = (self.checker.robot(), &self.checker.volumes[object].whole);
+        let (robot, whole) = (self.checker.robot(), &self.checker.volumes[object as usize].whole);
         let part = &robot.parts()[*part];
         // What bounds the object's points bounds the centre where it is no farther from the joints.
         let centre = part.origin.rotation * whole.centre + part.origin.translation;
@@ -161,7 +173,7 @@ impl EdgeSearch<'_> {
             speed: NONE,
             radius: if is_bounded { whole.outer } else { f64::INFINITY },
             deviation: 0.0,
-            accelerations: self.movers[object].lengths.accelerations(),
+            accelerations: self.movers[number].lengths.accelerations(),
         };
         dispatch(PlaceSphere {
             frame: &spheres.frames.frames[part.link],
@@ -173,19 +185,59 @@ impl EdgeSearch<'_> {
         });
         // Not NaN either.
         let is_placed = row.deviation <= Pose::UNIT_TOLERANCE;
-        spheres.rows[object] = Some(row);
+        spheres.rows[number] = Some(row);
         is_placed.then_some(())
+    }
+
+    /// The sphere of what moves, once it is placed.
+    fn row<'s>(&self, object: u32, spheres: &'s Spheres) -> Option<&'s SphereRow> {
+        match self.checker.number(object) {
+            Number::Moves(number) => spheres.rows[number].as_ref(),
+            Number::Still(_) => None,
+        }
+    }
+
+    /// A box round where an object's sphere is in any of the slices, grown by all that what it holds may be off by; none where it
+    /// cannot be placed.
+    pub(super) fn swept(&self, object: u32, spheres: &mut Spheres) -> Option<[DVec3; 2]> {
+        self.place_sphere(object, spheres)?;
+        let row = self.row(object, spheres)?;
+        let Mover { length, turns, lengths, .. } = self.mover(object);
+        let half = Self::half_slice(spheres.end);
+        // As of a pair, of which the other one is where its box is.
+        let relative = ROUNDING + lengths.turned + 4.0 * row.deviation;
+        let slack = relative * length * (1.0 + half * (8.0 + turns));
+        let off = 2.0 * lengths.deviation + slack;
+        let change = 0.5 * half * half * row.accelerations.first()?;
+        let [mut min, mut max] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        for k in 0..WIDTH {
+            let at = |row: &Row| row[k / HALF][k % HALF];
+            let moved = (half * at(&row.speed) + change) * ROUNDED_UP;
+            let reach = (row.radius + moved + off) * ROUNDED_UP;
+            let [x, y, z] = &row.centre;
+            let centre = DVec3::new(at(x), at(y), at(z));
+            (min, max) = (min.min(centre - reach), max.max(centre + reach));
+        }
+        Some([min, max])
+    }
+
+    fn half_slice(end: f64) -> f64 {
+        0.5 * end / WIDTH as f64 * ROUNDED_UP
     }
 
     /// The slices in which the spheres of a pair do not prove it apart.
     fn open_slices(&self, spheres: &mut Spheres, pair: &EdgePair, asked: Asked) -> Option<u16> {
-        let [a, b] = pair.objects.map(|object| object as usize);
+        let [a, b] = pair.objects;
         self.place_sphere(a, spheres)?;
         self.place_sphere(b, spheres)?;
-        let row = spheres.rows[a].as_ref()?;
-        let other = spheres.rows[b].as_ref();
-        let deviations = [row.deviation, other.map_or(self.movers[b].deviation, |b| b.deviation)];
-        let off = self.off(pair) + self.slack_of(pair, deviations, asked.half);
+        let row = self.row(a, spheres)?;
+        let other = self.row(b, spheres);
+        let mut places = [a, b].map(|object| self.place_of(object));
+        places[0].deviation = row.deviation;
+        if let Some(other) = other {
+            places[1].deviation = other.deviation;
+        }
+        let off = self.off(pair) + self.slack_of(pair, places, asked.half);
         let acceleration = |row: &SphereRow| row.accelerations.get(pair.common as usize).copied();
         let accelerations = acceleration(row)? + other.map_or(Some(0.0), acceleration)?;
         let change = 0.5 * asked.half * asked.half * accelerations;
@@ -195,12 +247,12 @@ impl EdgeSearch<'_> {
             let lost = lost + other.radius;
             return Some(dispatch(BetweenSpheres { row, other, moved, lost }));
         }
-        let BoundingVolumes { whole, solid, .. } = &*self.checker.volumes[b];
+        let BoundingVolumes { whole, solid, .. } = &*self.checker.volumes[b as usize];
         if !whole.outer.is_finite() {
             // No solid is round it.
             return Some(u16::MAX);
         }
-        let pose = self.pose(b as u32);
+        let pose = self.pose(b);
         let (inverse, from) = (pose.rotation().transpose(), pose.translation());
         Some(dispatch(ToSolid { row, inverse, from, solid, moved, lost }))
     }

@@ -153,7 +153,7 @@ fn spheres_that_are_proved_apart_in_a_slice_are_apart_all_along_it() {
 }
 
 /// A body that floats, an arm that turns on it, a plate fixed to that, and a finger that slides as the arm turns.
-fn mobile() -> Robot {
+pub(super) fn mobile() -> Robot {
     let text = r#"<robot name="mobile"><link name="world"/>
       <link name="body"><collision><origin xyz="0.1 0 0" rpy="0.3 0.2 1"/><geometry><box size="0.5 0.3 0.1"/></geometry></collision></link>
       <link name="arm"><collision><origin xyz="0.4 0 0"/><geometry><box size="0.8 0.1 0.1"/></geometry></collision></link>
@@ -184,7 +184,7 @@ fn mobile_checker(draw: &mut Draw) -> EdgeChecker {
 }
 
 /// A straight path of that robot, on which each value changes by about so much.
-fn mobile_path(draw: &mut Draw, change: f64) -> JointPath {
+pub(super) fn mobile_path(draw: &mut Draw, change: f64) -> JointPath {
     let from = [draw.vector(), draw.vector()];
     let mut state = |change: f64| {
         let [place, turn] = from.map(|v| v + draw.vector() * change);
@@ -206,7 +206,7 @@ fn no_slice_proves_more_than_is_left_of_floating_and_mimicking_links_on_a_turned
         // Slow and fast: what accelerations may do counts little and much.
         let path = mobile_path(&mut draw, [0.05, 0.5][k % 2]);
         let least = least_in_slices(&checker, &path, 1.0);
-        let search = EdgeSearch::new(&checker, &path, (1, Before::Hit));
+        let mut search = EdgeSearch::new(&checker, &path, (1, Before::Hit));
         for k in 0..12 {
             let mut number = |below: usize| (draw.unit().abs() * 1e6) as usize % below;
             let some = least[number(least.len())][number(16)];

@@ -41,8 +41,10 @@ fn random_obstacles(draw: &mut Draw) -> Vec<Obstacle> {
 #[test]
 fn each_pair_is_in_one_group_or_in_none() {
     let checker = checker(arm_of_several(), random_obstacles(&mut Draw::new()));
-    let Groups { groups, single } = &checker.groups;
-    let mut all: Vec<u32> = groups.iter().flat_map(|group| group.members.clone()).collect();
+    let Groups { groups, members, single } = &*checker.groups;
+    let of_groups = groups.iter().flat_map(|group| checker.groups.members_of(group));
+    assert!(of_groups.eq(members));
+    let mut all = members.clone();
     all.extend(single);
     all.sort_unstable();
     assert!(all.iter().copied().eq(0..checker.pairs.len() as u32));
