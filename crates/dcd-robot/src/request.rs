@@ -85,8 +85,10 @@ impl Request {
     /// The start in a world, whose joint values count where the request says nothing.
     ///
     /// # Errors
-    /// See [`Robot::state`].
+    /// See [`Robot::state`], of the goal's values too: a request that names a joint which the robot has not is about another
+    /// robot.
     pub fn start_in(&self, world: &World, robot: &Robot) -> Result<Vec<f64>, RobotError> {
+        robot.state(&self.goal)?;
         robot.state(&self.values_in(world))
     }
 
@@ -277,5 +279,14 @@ planner_id: fast
         assert_eq!(request.notes(&robot()), [""; 0]);
         let refused = request.start_of(&robot()).unwrap_err().to_string();
         assert!(refused.contains("\"c\""), "{refused}");
+        for wrong in ["{joint_name: c, position: 1}", "{joint_name: a, position: .inf}"] {
+            let text = format!("goal_constraints: [{{joint_constraints: [{wrong}]}}]");
+            let request = Request::read(&text).unwrap();
+            for state in [request.start_of(&robot()), request.goal_of(&robot())] {
+                let refused = state.unwrap_err().to_string();
+                let named = refused.contains("\"c\"") || refused.contains("inf");
+                assert!(named, "{wrong}: {refused}");
+            }
+        }
     }
 }

@@ -243,8 +243,14 @@ impl Scene {
     /// are the caller's matter.
     pub(super) fn place_in(&mut self, slot: usize, object: Object) -> Result<(), SceneError> {
         check_count("objects", slot)?;
+        check_reach(slot, self.known_shape(slot, object.shape)?, &object.pose)?;
+        self.put_in(slot, object);
+        Ok(())
+    }
+
+    /// The same of an object that was checked: no shape is asked anything, which may be a caller's own and panic.
+    pub(super) fn put_in(&mut self, slot: usize, object: Object) {
         let Object { shape, pose, filter, motion, sensor, user_data } = object;
-        check_reach(slot, self.known_shape(slot, shape)?, &pose)?;
         if slot < self.slots.len() {
             self.shape_of[slot] = shape;
             self.poses[slot] = pose;
@@ -264,7 +270,6 @@ impl Scene {
         self.note_sensor(slot, sensor);
         self.filtered |= filter != Filter::ALL;
         *self.count_of(motion) += 1;
-        Ok(())
     }
 
     pub(super) fn note_sensor(&mut self, slot: usize, sensor: bool) {

@@ -37,9 +37,9 @@ impl Scene {
         check_count("shapes", kept + count)?;
         self.truncate(first);
         self.set_shapes_from(kept, objects.clone().map(|(shape, _)| shape.clone()));
-        // Both were counted.
+        // All were checked.
         for (shape, (_, object)) in (kept as u32..).zip(objects) {
-            self.place_in(self.len(), Object { shape, ..object })?;
+            self.put_in(self.len(), Object { shape, ..object });
         }
         self.mark_replaced();
         Ok(())
@@ -69,7 +69,7 @@ impl Scene {
         if i < last {
             // What was there goes the same way; the last one takes its place.
             self.vacate(i);
-            self.place_in(i, moved)?;
+            self.put_in(i, moved);
         }
         if !self.shape_of.contains(&shape) {
             self.drop_shape(shape);
@@ -144,8 +144,11 @@ fn prefetch_shape(shape: &Shape) {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Filter, Object, Pair, Pose, Scene, SceneError, Shape};
+    use crate::{Filter, Object, Pair, Pose, Scene, SceneError, Shape, Support, SupportMap};
     use glam::DVec3;
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
     fn at(x: f64) -> Pose {
         Pose::from_translation(DVec3::X * x).unwrap()
@@ -204,6 +207,40 @@ mod tests {
         assert!(error.contains('2'), "{error}");
         assert!(held.replace_from(3, []).is_err() && held.swap_remove(2usize).is_err());
         assert_same(&held, &scene(&[(1.0, 0.0), (2.0, 5.0)]));
+    }
+
+    /// A ball for as many supports as are left.
+    #[derive(Debug)]
+    struct Breaks(AtomicUsize);
+
+    impl SupportMap<f64> for Breaks {
+        fn support(&self, direction: DVec3) -> Support<f64> {
+            assert!(self.0.fetch_sub(1, Relaxed) > 0, "on purpose");
+            Support::of_point(direction.normalize_or_zero())
+        }
+    }
+
+    #[test]
+    fn an_exchange_in_which_a_shape_panics_changes_nothing() {
+        let mut broken = 0;
+        for supports in 0.. {
+            let breaks = Arc::new(Breaks(AtomicUsize::new(usize::MAX / 2)));
+            let shape = Shape::custom(breaks.clone()).unwrap();
+            let mut held = scene(&[(1.0, 0.0), (2.0, 5.0), (3.0, 9.0)]);
+            let before = (held.layout(), held.poses().to_vec());
+            breaks.0.store(supports, Relaxed);
+            let new =
+                [&sphere(4.0), &shape, &sphere(5.0)].map(|shape| (shape, Object::new(0, at(7.0))));
+            let exchange = AssertUnwindSafe(|| held.replace_from(1, new).unwrap());
+            if catch_unwind(exchange).is_ok() {
+                assert_eq!((held.len(), held.object_count()), (4, 4));
+                break;
+            }
+            broken += 1;
+            assert_eq!((held.layout(), held.poses().to_vec()), before, "{supports}");
+            assert_eq!(held.object_count(), 3);
+        }
+        assert!(broken > 0);
     }
 
     #[test]
