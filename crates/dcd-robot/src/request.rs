@@ -280,7 +280,8 @@ planner_id: fast
         let refused = request.start_of(&robot()).unwrap_err().to_string();
         assert!(refused.contains("\"c\""), "{refused}");
         for wrong in ["{joint_name: c, position: 1}", "{joint_name: a, position: .inf}"] {
-            let text = format!("goal_constraints: [{{joint_constraints: [{wrong}]}}]");
+            let goal = format!("goal_constraints: [{{joint_constraints: [{wrong}]}}]");
+            let text = format!("start_state: {{}}\n{goal}");
             let request = Request::read(&text).unwrap();
             for state in [request.start_of(&robot()), request.goal_of(&robot())] {
                 let refused = state.unwrap_err().to_string();

@@ -229,8 +229,8 @@ mod tests {
             let mut held = scene(&[(1.0, 0.0), (2.0, 5.0), (3.0, 9.0)]);
             let before = (held.layout(), held.poses().to_vec());
             breaks.0.store(supports, Relaxed);
-            let new =
-                [&sphere(4.0), &shape, &sphere(5.0)].map(|shape| (shape, Object::new(0, at(7.0))));
+            let shapes = [sphere(4.0), shape, sphere(5.0)];
+            let new = shapes.iter().map(|shape| (shape, Object::new(0, at(7.0))));
             let exchange = AssertUnwindSafe(|| held.replace_from(1, new).unwrap());
             if catch_unwind(exchange).is_ok() {
                 assert_eq!((held.len(), held.object_count()), (4, 4));
