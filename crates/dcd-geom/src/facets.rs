@@ -18,6 +18,10 @@ pub const FLATNESS: f64 = 1e-9;
 /// triangles.
 const LEVELLED: f64 = 1e-5;
 
+/// The least cosine between the normals of a contact face and of a triangle in it: what lies between flat triangles of a hull looks their
+/// way. Larger: steps of a bent face that stay. Smaller: plates thinner than [`LEVELLED`] that lose their sides.
+const ALIKE: f64 = 0.9;
+
 /// The height of a triangle by its longest edge below which the search for hulls looks at it: it may be a segment.
 const NEEDLE: f64 = 1e-5;
 
@@ -74,6 +78,36 @@ pub(crate) fn normal_of_triangle([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
     (is_wide && longest < 1.0 / SHORTEST).then(|| normal.normalize())
 }
 
+/// The faces of a polytope, and those that contacts show.
+#[derive(Clone, Debug)]
+pub(crate) struct AllFacets {
+    /// By value: read far more often.
+    pub(crate) contact: Facets,
+    /// Where they are others.
+    exact: Option<Box<Facets>>,
+}
+
+impl AllFacets {
+    /// Of the hull of the points.
+    pub(crate) fn of_hull(vertices: &[DVec3]) -> Self {
+        match Facets::with_levelled(vertices, true) {
+            (exact, Some(contact)) => Self { contact, exact: Some(Box::new(exact)) },
+            (exact, None) => Self::alike(exact),
+        }
+    }
+
+    /// All of which contacts show.
+    pub(crate) fn alike(facets: Facets) -> Self {
+        Self { contact: facets, exact: None }
+    }
+
+    /// Those that are flat.
+    #[inline]
+    pub(crate) fn exact(&self) -> &Facets {
+        self.exact.as_deref().unwrap_or(&self.contact)
+    }
+}
+
 impl Facets {
     /// The faces of the hull of the points. Costs a microsecond a point; the same for the same points
     /// everywhere.
@@ -82,12 +116,12 @@ impl Facets {
     }
 
     /// The faces, and those of the same hull with what is hardly bent made level, where these are others and `levels` says so.
-    pub(crate) fn with_levelled(vertices: &[DVec3], levels: bool) -> (Self, Option<Self>) {
+    fn with_levelled(vertices: &[DVec3], levels: bool) -> (Self, Option<Self>) {
         let mut facets = Self::default();
         let mut levelled = None;
         match lattice::hull(vertices) {
             lattice::Hull::Solid(triangles) => {
-                facets.merge(vertices, &triangles, FLATNESS);
+                facets.merge(vertices, &triangles, (FLATNESS, 0.0));
                 levelled = levels.then(|| Self::levelled(vertices, &triangles));
             }
             lattice::Hull::Flat { normal } => {
@@ -107,7 +141,7 @@ impl Facets {
 
     fn levelled(vertices: &[DVec3], triangles: &[Triangle]) -> Self {
         let mut levelled = Self::default();
-        levelled.unevenness = levelled.merge(vertices, triangles, LEVELLED);
+        levelled.unevenness = levelled.merge(vertices, triangles, (LEVELLED, ALIKE));
         levelled.link(vertices.len());
         levelled
     }
@@ -214,8 +248,14 @@ impl Facets {
     }
 
     /// Each face grows from the largest triangle that is left, over edges, as long as the
-    /// corners stay in its plane, to within that part of the extent. Returns how far the farthest is from it, metres.
-    fn merge(&mut self, vertices: &[DVec3], triangles: &[Triangle], flatness: f64) -> f64 {
+    /// corners stay in its plane, to within that part of the extent, and the normals within that cosine. Returns how far the farthest
+    /// corner is from the plane, metres.
+    fn merge(
+        &mut self,
+        vertices: &[DVec3],
+        triangles: &[Triangle],
+        (flatness, cosine): (f64, f64),
+    ) -> f64 {
         let mut most = 0.0f64;
         let extent = vertices.iter().fold(0.0f64, |most, v| most.max(v.distance(vertices[0])));
         let weighted: Vec<DVec3> = triangles.iter().map(|t| weighted_normal(t, vertices)).collect();
@@ -232,6 +272,10 @@ impl Facets {
             let base = vertices[triangles[seed as usize].corners[0] as usize];
             let off = |corner: u32| (vertices[corner as usize] - base).dot(normal).abs();
             let is_level = |corner: u32| off(corner) <= flatness * extent;
+            let is_alike = |t: u32| {
+                let (along, weight) = (weighted[t as usize].dot(normal), weighted[t as usize]);
+                along >= 0.0 && (cosine == 0.0 || along >= cosine * weight.length())
+            };
             taken[seed as usize] = true;
             stack.push(seed);
             members.clear();
@@ -240,7 +284,7 @@ impl Facets {
                 members.extend(triangle.corners);
                 for &next in &triangle.neighbours {
                     let joins = !taken[next as usize]
-                        && weighted[next as usize].dot(normal) >= 0.0
+                        && is_alike(next)
                         && triangles[next as usize].corners.into_iter().all(is_level);
                     if joins {
                         taken[next as usize] = true;

@@ -1,6 +1,7 @@
 //! Hulls of points, with or without a radius: the shape of the lanes.
 
 use crate::error::check_length;
+use crate::facets::AllFacets;
 use crate::sphere::{Sphere, reach};
 use crate::support::{FarthestVertex, farthest};
 use crate::{
@@ -56,22 +57,6 @@ pub struct Polytope {
     facets: OnceLock<AllFacets>,
     planes: OnceLock<FacetPlanes>,
     feature_rows: OnceLock<Option<Box<FeatureRows>>>,
-}
-
-/// The faces, and those that contacts show.
-#[derive(Clone, Debug)]
-struct AllFacets {
-    /// By value: read far more often.
-    contact: Facets,
-    /// Where they are others.
-    exact: Option<Box<Facets>>,
-}
-
-impl AllFacets {
-    /// All of which contacts show.
-    fn alike(facets: Facets) -> Self {
-        Self { contact: facets, exact: None }
-    }
 }
 
 impl Polytope {
@@ -266,8 +251,7 @@ impl Polytope {
     /// The faces of the core: computed at the first call, then shared by all objects, threads and frames.
     #[inline]
     pub fn facets(&self) -> &Facets {
-        let AllFacets { contact, exact } = self.all_facets();
-        exact.as_deref().unwrap_or(contact)
+        self.all_facets().exact()
     }
 
     /// The faces that contacts show: those of [`Polytope::facets`], but that vertices within 1e-5 of the extent of a face's
@@ -295,10 +279,7 @@ impl Polytope {
                 let cube: Vec<DVec3> = vertices.iter().map(|vertex| vertex.signum()).collect();
                 AllFacets::alike(Facets::of(&cube))
             }
-            (Kind::Hull, vertices) => match Facets::with_levelled(vertices, true) {
-                (exact, Some(contact)) => AllFacets { contact, exact: Some(Box::new(exact)) },
-                (exact, None) => AllFacets::alike(exact),
-            },
+            (Kind::Hull, vertices) => AllFacets::of_hull(vertices),
             _ => AllFacets::alike(Facets::of(&self.vertices)),
         };
         self.facets.get_or_init(found)

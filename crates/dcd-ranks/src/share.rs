@@ -79,26 +79,14 @@ fn refuse_what_is_lost(scene: &Scene) -> Result<(), RankError> {
     }
 }
 
-/// That no name is that of two bodies, on whichever ranks: each name is looked at by one rank. Collective.
+/// That no name is that of two bodies, on whichever ranks. Collective.
 pub(crate) fn check_names(transport: &impl Transport, names: &[u64]) -> Result<(), RankError> {
-    let mut messages = vec![Vec::new(); transport.size()];
-    for &name in names {
-        let judge = mixed(name) % transport.size() as u64;
-        messages[judge as usize].extend_from_slice(&name.to_le_bytes());
-    }
-    let messages = messages.into_iter().enumerate().filter(|(_, message)| !message.is_empty());
-    let mut seen: Vec<u64> = Vec::new();
-    for (_, message) in transport.exchange(messages.collect()) {
-        let (names, _) = message.as_chunks();
-        seen.extend(names.iter().map(|name| u64::from_le_bytes(*name)));
-    }
-    seen.sort_unstable();
+    let seen = to_judges(transport, names.iter().map(|&name| [name]));
     let twice = seen.windows(2).find(|pair| pair[0] == pair[1]);
-    agree(transport, twice.map_or(Ok(()), |pair| Err(RankError::Twice { body: pair[0] })))
+    agree(transport, twice.map_or(Ok(()), |pair| Err(RankError::Twice { body: pair[0][0] })))
 }
 
-/// That no name is that of two shapes, on whichever ranks: each name is looked at by one rank, by what its shapes' bytes come
-/// to. Collective.
+/// That no name is that of two shapes, on whichever ranks, by what their bytes come to. Collective.
 pub(crate) fn check_shapes(
     transport: &impl Transport,
     shapes: &[(u64, Shape)],
@@ -106,24 +94,34 @@ pub(crate) fn check_shapes(
     let digest = |(name, shape): &(u64, Shape)| {
         let mut bytes = Writer(Vec::new());
         bytes.shape(*name, shape)?;
-        Ok((*name, bytes.0.chunks(8).fold(bytes.0.len() as u64, fold_digest)))
+        Ok([*name, bytes.0.chunks(8).fold(bytes.0.len() as u64, fold_digest)])
     };
     let digests = agree(transport, shapes.iter().map(digest).collect::<Result<Vec<_>, _>>())?;
+    let seen = to_judges(transport, digests);
+    let two = seen.windows(2).find(|two| two[0][0] == two[1][0] && two[0] != two[1]);
+    agree(transport, two.map_or(Ok(()), |two| Err(RankError::TwoShapes { shape: two[0][0] })))
+}
+
+/// Sends entries that begin with a name to the rank that looks at that name, and returns what came to this one, sorted. Collective.
+fn to_judges<const N: usize>(
+    transport: &impl Transport,
+    entries: impl IntoIterator<Item = [u64; N]>,
+) -> Vec<[u64; N]> {
     let mut messages = vec![Vec::new(); transport.size()];
-    for (name, digest) in digests {
-        let judge = &mut messages[(mixed(name) % transport.size() as u64) as usize];
-        judge.extend([name, digest].iter().flat_map(|number| number.to_le_bytes()));
+    for entry in entries {
+        let name = entry.first().copied().unwrap_or_default();
+        let judge = mixed(name) % transport.size() as u64;
+        messages[judge as usize].extend(entry.iter().flat_map(|number| number.to_le_bytes()));
     }
     let messages = messages.into_iter().enumerate().filter(|(_, message)| !message.is_empty());
-    let mut seen: Vec<[u64; 2]> = Vec::new();
+    let mut seen: Vec<[u64; N]> = Vec::new();
     for (_, message) in transport.exchange(messages.collect()) {
-        let (numbers, _) = message.as_chunks::<8>();
-        let (entries, _) = numbers.as_chunks::<2>();
+        let (numbers, _) = message.as_chunks();
+        let (entries, _) = numbers.as_chunks::<N>();
         seen.extend(entries.iter().map(|entry| entry.map(u64::from_le_bytes)));
     }
     seen.sort_unstable();
-    let two = seen.windows(2).find(|two| two[0][0] == two[1][0] && two[0] != two[1]);
-    agree(transport, two.map_or(Ok(()), |two| Err(RankError::TwoShapes { shape: two[0][0] })))
+    seen
 }
 
 /// A digest with up to eight more bytes.

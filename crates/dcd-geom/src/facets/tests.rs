@@ -152,3 +152,17 @@ fn triangles_and_polygons_list_their_faces_round_each_corner_as_a_search_does() 
         }
     }
 }
+
+#[test]
+fn a_thin_plate_keeps_its_sides() {
+    for thickness in [1e-2, 1e-4, 8e-6, 1e-6] {
+        let corner = |k: u32| {
+            let side = |bit: u32| if k >> bit & 1 == 0 { -0.5 } else { 0.5 };
+            DVec3::new(side(0), side(1), side(2) * thickness)
+        };
+        let plate = Polytope::hull((0..8).map(corner).collect()).unwrap();
+        let contact = plate.contact_facets();
+        assert_eq!(corner_counts(contact), [4; 6], "{thickness}");
+        assert_eq!(contact.unevenness(), 0.0, "{thickness}");
+    }
+}

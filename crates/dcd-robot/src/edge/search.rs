@@ -2,6 +2,7 @@
 
 mod bounds;
 mod distances;
+mod movers;
 mod near;
 mod planes;
 mod slices;
@@ -10,17 +11,12 @@ mod tests;
 
 use super::groups::{Group, Groups};
 use super::path::JointPath;
-use super::place::{Local, PlaceOnPath, Twist};
-use super::reach::Lengths;
-use super::rows::PlacedRow;
-use super::{
-    Before, Edge, EdgeAnswer, EdgeChecker, EdgePair, EdgeReason, Number, ROUNDED_UP, Still,
-};
+use super::place::PlaceOnPath;
+use super::{Before, Edge, EdgeAnswer, EdgeChecker, EdgePair, EdgeReason, ROUNDED_UP};
 use crate::RobotError;
 use dcd_exec::Par;
-use dcd_geom::Pose;
-use dcd_gjk::PosedShape;
 use glam::DVec3;
+use movers::Mover;
 use slices::{Slices, Spheres};
 use std::ops::Range;
 use std::sync::Arc;
@@ -77,26 +73,6 @@ pub(super) struct EdgeSearch<'a> {
     /// What the slices are to be computed from, if it is known.
     spheres: Option<Spheres>,
     is_even: bool,
-}
-
-/// An object that moves.
-#[derive(Default)]
-struct Mover {
-    lengths: Lengths,
-    /// How fast the joints before each turn together at most, and how fast that changes.
-    before: Vec<[f64; 2]>,
-    /// All lengths that go into its coordinates, and how fast its joints turn together, for [`EdgeSearch::slack`].
-    length: f64,
-    turns: f64,
-    deviation: f64,
-    /// The node for which the rest is computed.
-    node: usize,
-    local: Local,
-    middle: DVec3,
-    twist: Twist,
-    /// The spheres, and the node that they are of.
-    cover: PlacedRow,
-    cover_node: usize,
 }
 
 struct Node {
@@ -299,47 +275,6 @@ impl<'a> EdgeSearch<'a> {
             (None, None) => (EdgeAnswer::Free { clearance: self.clearance }, 1.0),
         };
         Edge { answer, free_until, nodes }
-    }
-
-    #[inline]
-    fn mover(&self, object: u32) -> &Mover {
-        match self.checker.number(object) {
-            Number::Moves(number) => &self.movers[number],
-            Number::Still(_) => &self.still,
-        }
-    }
-
-    /// That of an object that moves.
-    fn mover_mut(&mut self, object: u32) -> Option<&mut Mover> {
-        match self.checker.number(object) {
-            Number::Moves(number) => self.movers.get_mut(number),
-            Number::Still(_) => None,
-        }
-    }
-
-    /// What bounds the rounding of an object's place.
-    #[inline]
-    fn place_of(&self, object: u32) -> Still {
-        match self.checker.number(object) {
-            Number::Moves(number) => {
-                let Mover { length, deviation, .. } = self.movers[number];
-                Still { length, deviation }
-            }
-            Number::Still(number) => self.checker.still[number],
-        }
-    }
-
-    fn pose(&self, object: u32) -> &Pose {
-        let i = object as usize;
-        match &self.checker.movers[i] {
-            Some((part, _)) => &self.at.poses[*part],
-            None => &self.checker.cell.scene().poses()[i],
-        }
-    }
-
-    fn posed(&self, object: u32) -> PosedShape<'_> {
-        let shape = self.checker.cell.scene().shape(object as usize);
-        PosedShape { shape, pose: self.pose(object) }
     }
 
     /// The node's pairs that are not proved apart on all of it, from where the robot is now, its middle: where they

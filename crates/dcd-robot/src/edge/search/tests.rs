@@ -2,7 +2,7 @@ use super::super::tests::groups::arm_of_several;
 use super::super::tests::{Draw, arm, at, checker, obstacle};
 use super::*;
 use crate::{AllowedPairs, LinkShapes, Robot, Workcell, World};
-use dcd_geom::Shape;
+use dcd_geom::{Pose, Shape};
 use dcd_gjk::distance::{DistanceResult, distance, gap_along};
 use glam::DQuat;
 use std::path::Path;
